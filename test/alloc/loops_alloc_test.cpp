@@ -24,7 +24,7 @@ TEST(LoopsAlloc, ALockIsSeenWhereThereIsOne) {
 }
 
 TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
-  // GIVEN a fault that comes back every second for as long as the session lasts
+  // GIVEN a fault that repeats every second for the whole session
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
@@ -43,7 +43,7 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
   ASSERT_TRUE(rig.home());
   std::int64_t ticks = 0, in_contact = 0, faulty = 0, both = 0;
   bool touched = false;
-  // down to the scene, then pressing and lifting in turns, with a clutch between
+  // moves down to the scene, then presses and lifts alternately, with a clutch between
   const auto tick = [&] {
     const std::int64_t stroke = ticks / 300;
     const double speed = !touched ? 100e-6 : stroke % 2 == 0 ? 50e-6 : -50e-6;
@@ -68,7 +68,7 @@ TEST(LoopsAlloc, AMinuteInContactUnderAFaultTouchesNoHeapAndNoLock) {
             }),
             0);
   EXPECT_EQ(mutexLocks(), 0);
-  EXPECT_GT(both, 0) << "no tick had contacts and the fault: the test showed less than it says";
+  EXPECT_GT(both, 0) << "no tick had both contacts and the fault: the test shows less than it says";
   EXPECT_GT(in_contact, counted / 20);
   EXPECT_GT(faulty, counted / 10);
   std::printf("%lld ticks, %lld in contact, %lld under the fault, %lld both\n", static_cast<long long>(counted),
@@ -116,7 +116,7 @@ TEST(LoopsAlloc, AHapticTickWithAllItsPartsTouchesNoHeapAndNoLock) {
 }
 
 TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
-  // GIVEN the whole chain from the master's datagram to the force, warm, teleoperating, a fault armed and acting
+  // GIVEN the whole chain from the master's datagram to the force, warmed up, teleoperating, with an acting fault
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.hazard = "sudden_jump";
@@ -125,7 +125,7 @@ TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 1500; ++i)
     rig.tick(true, {10e-6, 0.0, 0.0});
-  // THEN 2000 further ticks, 300 of them faulty, allocate nothing
+  // THEN 2000 more ticks, 300 of them faulty, allocate nothing
   bool faulty = false;
   EXPECT_EQ(allocatorCalls([&] {
               for (int i = 0; i < 2000; ++i) {
@@ -134,7 +134,7 @@ TEST(LoopsAlloc, TicksOfDaemonAndVirtualRavenDoNotTouchTheHeap) {
               }
             }),
             0);
-  EXPECT_TRUE(faulty) << "no fault acted: the test showed less than it says";
+  EXPECT_TRUE(faulty) << "no fault acted: the test shows less than it says";
 }
 
 TEST(LoopsAlloc, ClutchingPressingOnTheSceneAndRequestsDoNotTouchTheHeap) {
@@ -147,7 +147,7 @@ TEST(LoopsAlloc, ClutchingPressingOnTheSceneAndRequestsDoNotTouchTheHeap) {
   std::uint32_t contacts = 0;
   const auto press = [&] {
     for (int i = 0; i < 1500; ++i) {
-      rig.tick(i % 300 >= 60, {0.0, 0.0, 50e-6});  // down, with a clutch now and then
+      rig.tick(i % 300 >= 60, {0.0, 0.0, 50e-6});  // moves down, with a clutch now and then
       contacts += rig.model().arms[0].contacts;
     }
     Request request;
@@ -159,14 +159,14 @@ TEST(LoopsAlloc, ClutchingPressingOnTheSceneAndRequestsDoNotTouchTheHeap) {
     request.enabled = 1;
     rig.shared->requests.tryPush(request);
   };
-  press();  // warm
+  press();  // warm up
   contacts = 0;
   EXPECT_EQ(allocatorCalls(press), 0);
-  EXPECT_GT(contacts, 0u) << "nothing was pressed on: the test showed less than it says";
+  EXPECT_GT(contacts, 0u) << "no contact: the test shows less than it says";
 }
 
-/** Chooses and gives up, then plans, arms, executes and releases; the test is the planner. @return ticks of executing.
- */
+/** Chooses a goal and abandons it, then plans, arms, executes and releases. The test is the planner.
+ *  @return ticks of executing. */
 int planAndExecute(raven2_trainer::testing::Rig* rig) {
   const auto ask = [rig](RequestKind kind, std::uint8_t on_robot) {
     Request request;
@@ -214,7 +214,7 @@ TEST(LoopsAlloc, ChoosingArmingAndExecutingDoNotTouchTheHeap) {
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 200; ++i)
     rig.tick(false);
-  planAndExecute(&rig);  // warm
+  planAndExecute(&rig);  // warm up
   int executing = 0;
   EXPECT_EQ(allocatorCalls([&] { executing = planAndExecute(&rig); }), 0);
   EXPECT_EQ(mutexLocks(), 0);

@@ -14,9 +14,8 @@ using raven2_trainer::testing::ModeDriver;
 using raven2_trainer::testing::mutexLocks;
 using raven2_trainer::testing::ServoClient;
 
-/** Simulation and back, the camera, a stop, a trial repeated on model and robot, a trial given up, and two sessions
- *  shown, one to its end. @return ticks of
- *  repeating with the robot. */
+/** Simulation and back, the camera, a stop, a trial repeated on model and robot, a discarded trial, and two replays,
+ *  one of them to its end. @return ticks of repeating with the robot. */
 int allModes(ModeDriver* d) {
   d->ask(RequestKind::kBeginSimulation);
   d->stroke(300, 1.0);
@@ -61,7 +60,7 @@ int allModes(ModeDriver* d) {
   return repeated;
 }
 
-/** CRTK clients: every kind of command, refused ones too, the console in between, and a stop. */
+/** A CRTK client: every kind of command, valid and refused, the console in between, and a stop. */
 void allCommands(ModeDriver* d, ServoClient* client) {
   client->send(StateCommand::kUnhome);
   client->enable();
@@ -105,7 +104,7 @@ TEST(ModesAlloc, ServingClientsDoesNotTouchTheHeap) {
   ModeDriver driver;
   ServoClient client(&driver.rig);
   ASSERT_TRUE(driver.begin());
-  allCommands(&driver, &client);  // warm
+  allCommands(&driver, &client);  // warm up
   EXPECT_EQ(allocatorCalls([&] { allCommands(&driver, &client); }), 0);
   EXPECT_EQ(mutexLocks(), 0);
   EXPECT_GT(client.refusals, 40U);
@@ -116,11 +115,11 @@ TEST(ModesAlloc, SimulatingTryingRepeatingAndReturningDoNotTouchTheHeap) {
   raven2_trainer::testing::useOde();
   ModeDriver driver;
   ASSERT_TRUE(driver.begin());
-  allModes(&driver);  // warm
+  allModes(&driver);  // warm up
   int repeated = 0;
   EXPECT_EQ(allocatorCalls([&] { repeated = allModes(&driver); }), 0);
   EXPECT_EQ(mutexLocks(), 0);
-  EXPECT_GT(repeated, 500) << "or the trial never reached the robot";
+  EXPECT_GT(repeated, 500) << "the trial never reached the robot";
   EXPECT_EQ(driver.report().end, ExecutionEnd::kFinished);
   EXPECT_EQ(driver.mode(), Mode::kPedalUp);
 }

@@ -1,4 +1,4 @@
-// What signed ITP costs a packet: to sign, to verify, and the whole gate, beside BLAKE2b alone; allocations counted.
+// Cost of signed ITP for each packet: to sign, to verify, the whole gate, and BLAKE2b alone. Counts allocations too.
 
 #include <sodium.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 constexpr int kRounds = 200000;
 
-/** p50 and p99 of single calls, less what reading the clock costs. [ns] */
+/** [ns] p50 and p99 of single calls, less the cost of reading the clock. */
 template <typename Body>
 double measure(const char* what, double unit, Body body) {
   using Clock = std::chrono::steady_clock;

@@ -1,5 +1,5 @@
-// Time that the detector adds to a cycle of the emulated control software: the same cycles with and without it in
-// turns, so that the ratio is of one run on one machine.
+// Time that the detector adds to a cycle of the emulated control software. The same cycles run alternately with and
+// without it, so that the ratio is of one run on one machine.
 
 #include <algorithm>
 #include <chrono>
@@ -71,7 +71,7 @@ int main() {
   config.virtual_raven.full_homing = false;
   Bench off(config, Mitigation::kOff), on(config, Mitigation::kHold);
   for (int k = 0; k < kWarmUp + kCycles; ++k) {
-    (k % 2 == 0 ? off : on).cycle(k);  // who comes second finds the caches warm
+    (k % 2 == 0 ? off : on).cycle(k);  // the second one finds the caches warm
     (k % 2 == 0 ? on : off).cycle(k);
   }
   std::printf("control software, both arms, a cycle [us]: fastest tenth, median, 99 %%\n");

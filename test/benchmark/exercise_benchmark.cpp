@@ -1,5 +1,5 @@
-// What a session's exercise adds to a physics tick: the same loop on the same scene with the exercise, its judge and
-// its signals, and without, by turns in one run; both arms press on the scene and lift. Usage: exercise_benchmark
+// Time that a session's exercise adds to a physics tick. The same loop runs on the same scene alternately with and
+// without the exercise, its judge and its signals. Both arms press on the scene and lift. Usage: exercise_benchmark
 // [TICKS]
 
 #include <time.h>
@@ -60,7 +60,7 @@ class Loop {
   std::vector<double> times_;
 };
 
-/** The timer runs from the first pedal-down on, and no mistake stops it. */
+/** A configuration in which the timer runs from the first pedal-down on, and no mistake stops it. */
 TrainerConfig withExercise(const char* exercise) {
   TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
                                                    config::TrainingNames{exercise, "none", "", "none"});
@@ -71,7 +71,7 @@ TrainerConfig withExercise(const char* exercise) {
   return config;
 }
 
-/** On the scene of the exercise in both cases. */
+/** Compares a loop with and one without the exercise, both on its scene. */
 void compare(const char* exercise, int ticks) {
   const TrainerConfig with = withExercise(exercise);
   TrainerConfig without = with;

@@ -1,5 +1,6 @@
-// What one hook of fault injection costs in the control program: with nothing armed, with something armed for another
-// place, and acting; beside the bare pass of the number, in the same run. Usage: fault_hook_benchmark [MILLION CALLS]
+// Cost of one hook of fault injection in the control program: without a fault, with a fault armed for another place,
+// and with an acting fault. For comparison, the same run passes the bare number.
+// Usage: fault_hook_benchmark [MILLION CALLS]
 
 #include <time.h>
 
@@ -18,7 +19,7 @@ double processorSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/** The compiler may suppose nothing about the number. */
+/** Hides the number from the compiler's optimisation. */
 double opaque(double value) {
   asm volatile("" : "+m"(value));
   return value;

@@ -1,7 +1,7 @@
-// Time of a haptic tick: free, in a cue (the passivity observer at work) for several bounds of the delay, and with
-// guidance and edge as well; beside it, in the same run, the bare traffic with the shared cells. Processor time of the
-// thread, the clock's own included, so that other programs count only by the caches they empty. Normal scheduling.
-// Usage: haptic_benchmark [TICKS]
+// Time of a haptic tick: free, with a force cue (passivity observer active) for several bounds of the delay, and with
+// guidance and edge as well. For comparison, the same run measures the bare traffic with the shared cells. Times are
+// the thread's processor time, the clock's own included, so other programs count only by the caches they empty. Normal
+// scheduling. Usage: haptic_benchmark [TICKS]
 
 #include <time.h>
 
@@ -40,7 +40,7 @@ void print(const char* what, std::vector<std::int64_t> times_ns, double* bare) {
               1e-3 * sum / static_cast<double>(times_ns.size()), at(0.5), at(0.99), at(0.999), at(0.5) / *bare);
 }
 
-/** States of a cue of `deviation` [m], hands and tips moving. */
+/** States with a force cue at `deviation` [m], with moving hands and tips. */
 class Bench {
  public:
   Bench(const TrainerConfig& config, double deviation)

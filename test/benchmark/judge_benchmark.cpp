@@ -1,5 +1,5 @@
-// What judging costs in a physics tick: a whole exercise with a full contact list, and the distance to the tissue
-// alone. Usage: judge_benchmark [THOUSAND TICKS]
+// Cost of judging in a physics tick: a whole exercise with a full contact list, and the distance to the tissue alone.
+// Usage: judge_benchmark [THOUSAND TICKS]
 
 #include <time.h>
 
@@ -47,7 +47,7 @@ std::vector<std::string> bodyNames(const model::SceneModel& scene) {
   return names;
 }
 
-/** Contacts of anything with anything, arms first, as many as there is room for: all rules have to be asked. */
+/** A full list of contacts between random bodies, arms first, so that the judge has to check all rules. */
 void fill(std::size_t bodies, Random* random, ContactList* list) {
   list->count = kMaxContacts;
   for (Contact& c : list->contacts) {

@@ -1,4 +1,4 @@
-// Prints what forward, inverse and Jacobian cost, beside a fixed arithmetic loop by which machines can be compared.
+// Prints the cost of forward, inverse and Jacobian, and of a fixed arithmetic loop by which machines can be compared.
 
 #include <algorithm>
 #include <array>
@@ -14,7 +14,7 @@ namespace {
 
 using namespace raven2_trainer;
 
-constexpr std::size_t kInputs = 4096;  // different ones, so that no branch or answer is learned by heart
+constexpr std::size_t kInputs = 4096;  // many different ones, so that the processor cannot learn the branches
 constexpr int kPasses = 101;
 
 struct Input {

@@ -1,5 +1,5 @@
 // Time of a tick of the daemon's two loops, both arms in contact, every tick measured, with SCHED_FIFO on one core.
-// Beside it, in the same run, the wake-up latency of a bare sleep on the same core: what the machine itself adds.
+// The same run also measures the wake-up latency of a bare sleep on the same core, which the machine itself adds.
 // Usage: loops_benchmark [TICKS]
 
 #include <sched.h>

@@ -18,7 +18,7 @@
 #include "grasp/ring_task.h"
 #include "support/allocation_counter.h"
 
-// What a physics tick costs with both arms, the scene and the ring in gold's jaws: contacts, controllers, step.
+// Cost of a physics tick with both arms, the scene and the ring in gold's jaws: contacts, controllers, step.
 
 namespace {
 double g_ode_us = 0.0;  // spent in dWorldStep so far
@@ -83,7 +83,7 @@ class Times {
   std::vector<double> all_;
 };
 
-/** Hands whose gold jaws hold the ring in the air. */
+/** A simulated surgeon whose gold jaws hold the ring in the air. */
 std::unique_ptr<Hands> holding(const TrainerConfig& config) {
   auto hands = std::make_unique<Hands>(config);
   RingTask(hands.get(), 0).pickUp();
@@ -94,7 +94,7 @@ std::unique_ptr<Hands> holding(const TrainerConfig& config) {
   return hands;
 }
 
-/** The same bodies without any contact: what is left is ODE's step and the reading of its result. */
+/** The same bodies without any contact, which leaves ODE's step and the reading of its result. */
 std::unique_ptr<Hands> withoutContacts(TrainerConfig config) {
   config.model.arm_contacts.fill(false);
   return std::make_unique<Hands>(config, nullptr, false);
@@ -169,7 +169,7 @@ class Benchmark {
     within_ = median_ratio <= 2.0 && allocations == 0;
   }
 
-  /** The tick in a 1 kHz loop that sleeps between, and an empty loop of the same kind beside it. */
+  /** The tick in a 1 kHz loop that sleeps between ticks, and an empty loop of the same kind. */
   void sleeping() {
     const sched_param priority{80};
     const bool fifo = sched_setscheduler(0, SCHED_FIFO, &priority) == 0;
@@ -210,7 +210,7 @@ class Benchmark {
     return hashes[0] == hashes[1];
   }
 
-  /** The ratio to ODE's own step and the allocations are as demanded: what does not depend on the machine. */
+  /** Whether the ratio to ODE's own step and the allocations are as required. Both do not depend on the machine. */
   bool within() const { return within_; }
   std::string json() const { return "{\n  " + json_ + "\"ticks\": " + std::to_string(ticks_) + "\n}\n"; }
 

@@ -1,5 +1,5 @@
-// Prints what the planner's collision checks cost in the shipped scene, and how they compare with FCL's on the same
-// states: planning_benchmark [PASSES]. Times are the thread's own, without what other programs take.
+// Prints the cost of the planner's collision checks in the shipped scene, and that of FCL's on the same states:
+// planning_benchmark [PASSES]. Times are the thread's own processor time.
 
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +22,7 @@ using namespace raven2_trainer::planning;
 
 constexpr std::size_t kStates = 4096, kEdges = 512;
 
-/** [s] of processor time this thread has had. */
+/** [s] processor time of this thread. */
 double now() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
@@ -73,7 +73,7 @@ Inputs draw(const JointSpace& space, ArmClearance* judge) {
   return in;
 }
 
-/** The way of checking an edge that FMT* had: states no farther apart than the planner's step. */
+/** FMT*'s former check of an edge: states no farther apart than the planner's step. */
 bool edgeByFcl(const JointSpace& space, double step, ArmCollision* judge, const JointArray& a, const JointArray& b) {
   const UnitState from = space.toUnit(a), to = space.toUnit(b);
   const int count = static_cast<int>(distance(from, to) / step) + 1;

@@ -1,5 +1,5 @@
-// Time of a cycle of the virtual Raven, both arms: control software, plant, both; cables rigid and elastic. Beside it a
-// calibration loop on the same core in the same run, so that figures of different machines can be compared.
+// Time of a cycle of the virtual Raven, both arms: control software, plant, both; cables rigid and elastic. The same
+// run measures a calibration loop on the same core, so that figures of different machines can be compared.
 
 #include <algorithm>
 #include <chrono>

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""Figures of doc/python.md: first step, time of a tick, restoring, pictures, and how several simulations scale."""
+"""Figures of doc/python.md: first step, time of a tick, restoring, pictures, and the scaling of several simulations."""
 
 import os
 import statistics

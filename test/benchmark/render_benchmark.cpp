@@ -1,5 +1,6 @@
-// Without arguments, what a plan costs in a live picture: frames with and without it in turn, so that both see the same
-// machine. With a session's directory, what each stage of its video costs: `render_benchmark DIR [FRAMES]`.
+// Without arguments, prints the cost of a plan in a live picture. It draws frames alternately with and without the
+// plan, so that both see the same machine. With a session's directory, prints the cost of each stage of the session's
+// video: `render_benchmark DIR [FRAMES]`.
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -54,7 +55,7 @@ double childSeconds() {
          1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
 }
 
-/** Wall and processor time of one stage, all frames together. The processor's counts the rasteriser's thread, too. */
+/** Wall and processor time of one stage, for all frames together. Processor time includes the rasteriser's thread. */
 struct Stage {
   std::string name;
   double wall{0.0}, cpu{0.0};
@@ -106,7 +107,7 @@ class DrawSplit {
   double wall_{0.0}, cpu_{0.0};
 };
 
-/** What each stage of drawing costs, one after the other, of the frames' first. */
+/** Prints the cost of each stage of drawing, in order. */
 void benchmarkSplit(const std::vector<render::Snapshot>& frames,
                     const model::Camera& camera,
                     const model::Camera* inset,
@@ -123,7 +124,7 @@ void benchmarkSplit(const std::vector<render::Snapshot>& frames,
   split.print(frames.size());
 }
 
-/** What the live picture costs: its processor time as a share of one core at 30 Hz. */
+/** Prints the cost of the live picture: its processor time as a share of one core at 30 Hz. */
 void benchmarkLive(const std::vector<render::Snapshot>& frames,
                    const model::Camera& camera,
                    render::SceneBuilder* builder,

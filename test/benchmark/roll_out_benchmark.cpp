@@ -10,21 +10,21 @@
 #include "raven2_trainer/physics/arm_world.h"
 #include "raven2_trainer/physics/raven_world.h"
 
-// What a roll-out costs: the world of one arm alone, under its law, and with every state judged in the FRS scene.
+// Cost of a roll-out: the world of one arm alone, under its control law, and with every state judged in the FRS scene.
 
 namespace raven2_trainer::planning {
 namespace {
 
 constexpr int kPasses = 15;
 
-/** [s] of this thread: what else runs on the machine does not count. */
+/** [s] processor time of this thread, without other programs. */
 double now() {
   timespec time{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/** Least and median of the passes. */
+/** Prints least and median time of the passes. */
 template <typename Part>
 void report(const char* what, double simulated, const Part& part) {
   std::vector<double> seconds;
@@ -99,7 +99,7 @@ class Benchmark {
     return q;
   }
 
-  /** Another path before, so that nothing of it is known. */
+  /** Follows another path first, so that the roll-out remembers nothing of this path. */
   void fresh(RollOut* roll_out, const JointArray& other) const {
     roll_out->follow({waypoints_[1]}, {0.0}, other);
     roll_out->follow(waypoints_, arrival_, other);

@@ -10,14 +10,14 @@
 
 #include "support/effort.h"
 
-// Two loops at 1 kHz, as physics and haptic: what a picture is drawn of is of one tick.
+// Two loops at 1 kHz, like physics and haptic: the states for a picture are of one tick.
 
 namespace raven2_trainer::loop {
 namespace {
 
 using raven2_trainer::testing::effort;
 
-/** All that is in a state tells its tick, so that a mixture shows. */
+/** A state whose values all depend on its tick, so that a mixture of two states is detected. */
 ModelState modelAt(Tick tick) {
   ModelState model;
   model.tick = tick;
@@ -123,7 +123,7 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
     }
   });
   while (computed.load() < 1)
-    nap(100);  // a reader that comes before the first state finds none
+    nap(100);  // before the first state a reader finds no state
   const int frames = effort(300, 20000);
   int of_one_tick = 0, with_contacts = 0;
   for (int i = 0; i < frames; ++i) {
@@ -131,7 +131,7 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
     const loop::FrameStates states = loop::loadFrameStates(*shared, [&] { nap(100); });
     expectWhole(states);
     if (states.contacts.count > 0) ++with_contacts;
-    ASSERT_GE(states.model.tick, model_before) << "older than what was there when it was asked for";
+    ASSERT_GE(states.model.tick, model_before) << "older than the state stored before the call";
     ASSERT_GE(states.haptic.tick, haptic_before);
     if (states.is_one_tick) {
       ++of_one_tick;
@@ -142,8 +142,8 @@ TEST(FrameStates, ModelAndHapticStateAreOfOneTickBesideTheirWriters) {
   stop.store(true);
   physics.join();
   haptic.join();
-  EXPECT_GT(stored.load(), 50) << "the writers hardly ran: the test proved nothing";
-  // The rest are frames beside a haptic thread that the machine kept waiting for several milliseconds.
+  EXPECT_GT(stored.load(), 50) << "the writers hardly ran: the test shows nothing";
+  // In the other frames the machine delayed the haptic thread by several milliseconds.
   EXPECT_GT(of_one_tick, frames / 2);
   EXPECT_GT(with_contacts, frames / 2);
 }

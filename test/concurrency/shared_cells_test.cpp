@@ -11,7 +11,7 @@
 #include "raven2_trainer/core/state_cell.h"
 #include "support/effort.h"
 
-// One writer, three readers, an arithmetic invariant inside the value: a torn read breaks it.
+// One writer, three readers, and an arithmetic invariant inside the value, which a torn read breaks.
 
 namespace raven2_trainer {
 namespace {
@@ -31,7 +31,7 @@ struct Checked {
     value.words.back() = value.sum();
     return value;
   }
-  /** Each word times an odd number of its own, so that words of two values do not add up. */
+  /** Sum of the words, each times a different odd number, so that words of two values do not add up. */
   std::uint64_t sum() const {
     std::uint64_t total = 0;
     for (std::size_t i = 0; i + 1 < kWords; ++i)
@@ -80,8 +80,8 @@ TEST(StateCell, ReadersNeverSeeATornOrOlderValueAndRetryBounded) {
   const auto reads = static_cast<double>(kReaders * reads_per_reader);
   EXPECT_EQ(torn.load(), 0U);
   EXPECT_EQ(backward.load(), 0U);
-  EXPECT_GT(cell.version(), 1000U) << "the writer hardly ran: the test proved nothing";
-  // Flat out is a thousand times the daemon's rate; there a reader gives up after four tries and keeps its last value.
+  EXPECT_GT(cell.version(), 1000U) << "the writer hardly ran: the test shows nothing";
+  // This rate is a thousand times the daemon's, where a reader gives up after four tries and keeps its last value.
   EXPECT_LT(static_cast<double>(retries.load()) / reads, 1.0);
   std::printf("%.0f reads beside %llu writes: 0 torn, %.4f retries a read, at most %llu tries\n", reads,
               static_cast<unsigned long long>(cell.version()), static_cast<double>(retries.load()) / reads,

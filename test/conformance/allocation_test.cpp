@@ -45,7 +45,7 @@ TEST(Allocation, NoneWithTheDetectorOnGuard) {
     }
   });
   EXPECT_EQ(calls, 0);
-  EXPECT_GE(robot.software.detectorReport().alarms, 1U) << "an alarm must be among what was counted";
+  EXPECT_GE(robot.software.detectorReport().alarms, 1U) << "no alarm in the counted cycles";
 }
 #endif
 

@@ -4,7 +4,7 @@
 #include "raven2_trainer/core/random.h"
 #include "support/effort.h"
 
-// The study mode of the virtual Raven: the daemon's own demands in place of a real Raven's rules.
+// The study mode of the virtual Raven: the daemon's own checks in place of a real Raven's rules.
 
 namespace raven2_trainer::conformance {
 namespace {
@@ -17,7 +17,7 @@ VirtualRavenConfig hardened() {
   return config;
 }
 
-/** In PEDAL_DN; a hardened robot wants to see the pedal up first. */
+/** Brings the robot to PEDAL_DN. A hardened robot needs packets with the pedal up first. */
 void introduceAndEngage(Robot* robot) {
   for (int k = 0; k < 5; ++k) {
     robot->send(robot->packet(0));
@@ -26,7 +26,7 @@ void introduceAndEngage(Robot* robot) {
   robot->engage();
 }
 
-/** Some way from home, slow enough for the motors to follow, and at rest there. */
+/** Moves the robot away from home, slow enough for the motors to follow, and lets it come to rest. */
 void wander(Robot* robot, Random* random) {
   wire::ItpPacket p;
   p.surgeon_mode = 1;
@@ -46,7 +46,7 @@ std::int32_t within(Random* random, std::int32_t limit) {
   return static_cast<std::int32_t>(std::lround(random->uniform(-limit, limit)));
 }
 
-/** Half of them anything at all, half of them as far as the limits let them. */
+/** Half of these packets have arbitrary values, the other half values up to the limits. */
 wire::ItpPacket randomPacket(Robot* robot, Random* random) {
   const ItpRules& limits = packaged().network.itp;
   wire::ItpPacket p = robot->packet();
@@ -79,14 +79,14 @@ TEST(Hardened, NoSinglePacketStopsTheRobot) {
   std::int64_t used = 0;
   std::unique_ptr<Robot> robot;
   for (std::int64_t n = 0; n < packets; ++n) {
-    if (n % 10 == 0) {  // from home again: single packets, not a walk to the edge
+    if (n % 10 == 0) {  // from home again, so that packets do not add up to the edge
       robot = std::make_unique<Robot>(hardened());
       introduceAndEngage(robot.get());
       wander(robot.get(), &random);
     }
     const std::uint32_t number = robot->sequence;
     used += robot->send(randomPacket(robot.get(), &random)) ? 1 : 0;
-    robot->sequence = number + 2;  // the surgeon's next is in order either way
+    robot->sequence = number + 2;  // the surgeon's next packet is in order, whether this one was used or not
     for (int k = 0; k < kSettle; ++k) {
       robot->send(robot->packet());
       robot->cycle();
@@ -94,7 +94,7 @@ TEST(Hardened, NoSinglePacketStopsTheRobot) {
       ASSERT_NE(robot->level(), RunLevel::kEStop) << "packet " << n;
     }
   }
-  EXPECT_GT(used, packets / 4) << "the limits refused too much for this to show anything";
+  EXPECT_GT(used, packets / 4) << "the limits refused so many packets that the test shows nothing";
 }
 
 /** Whether one packet of this many micrometres on each axis of both arms, with these signs, stops a robot at home. */
@@ -124,7 +124,7 @@ TEST(Hardened, APacketThatStopsARavenIsRefused) {
     EXPECT_FALSE(stops(hardened(), 10000, signs)) << signs;
     EXPECT_FALSE(stops(hardened(), packaged().network.itp.max_increment_um, signs)) << signs;
   }
-  EXPECT_GE(raven, 4) << "a centimetre in a packet is no danger to a real one";
+  EXPECT_GE(raven, 4) << "a centimetre in a packet does not stop a real Raven";
 }
 
 TEST(Hardened, NoPacketClearsAnEStop) {

@@ -3,7 +3,7 @@
 #include "conformance/robot.h"
 #include "raven2_trainer/core/fault_variables.h"
 
-// raven2.md 1.4 and 1.5: which datagrams are used, and what they do.
+// raven2.md 1.4 and 1.5: which datagrams the robot uses, and their effect.
 
 namespace raven2_trainer::conformance {
 namespace {
@@ -48,7 +48,7 @@ TEST(Sequence, MoreThanAThousandBackIsANumberingReset) {
   Robot robot;
   robot.sendNumbered(1499);
   ASSERT_TRUE(robot.sendNumbered(1500));
-  EXPECT_FALSE(robot.sendNumbered(499));  // taken as the new last, itself dropped
+  EXPECT_FALSE(robot.sendNumbered(499));  // becomes the new last number, but is dropped
   EXPECT_TRUE(robot.sendNumbered(500));
 }
 
@@ -208,7 +208,7 @@ TEST_P(Axes, RotationsFollowTheTableInTheBaseFrame) {
   EXPECT_LT((robot.oriD(row.arm) - turn * before).norm(), 1e-6);  // ori_d is float
 }
 
-/** On one arm and axis of the packets, from the next cycle on. */
+/** A fault on one arm and axis of the packets, from the next cycle on. */
 FaultPlan planOf(FaultVariable variable, FaultKind kind, double value, const AxisRow& row) {
   FaultPlan plan;
   plan.generation = plan.session = plan.count = 1;
@@ -221,7 +221,7 @@ FaultPlan planOf(FaultVariable variable, FaultKind kind, double value, const Axi
   fault.arm = static_cast<std::int8_t>(index(row.arm));
   fault.channel = static_cast<std::int8_t>(row.itp);
   fault.value = value;
-  fault.low = 1;  // of a forged packet: the next number
+  fault.low = 1;  // a forged packet has the next number
   EXPECT_TRUE(isSound(fault));
   return plan;
 }
@@ -247,7 +247,7 @@ TEST_P(Axes, FaultsOnIncrementsFollowTheTable) {
 
 TEST_P(Axes, FaultsOnTurnsFollowTheTableWhicheverQuaternionIsSent) {
   const AxisRow row = GetParam();
-  for (const double sign : {1.0, -1.0}) {  // a turn has two quaternions
+  for (const double sign : {1.0, -1.0}) {  // a rotation has two quaternions
     Robot robot;
     robot.engage();
     robot.software.setFaults(planOf(FaultVariable::kTurn, FaultKind::kAdd, 0.05, row));
@@ -287,7 +287,7 @@ TEST_P(Axes, AForgedPacketFollowsTheTableTakesTheNextNumberAndPressesThePedal) {
   EXPECT_EQ(robot.posD(otherArm(row.arm)), other);
   raven::UsbOut out;
   ASSERT_TRUE(raven::decodeOut(robot.out[0], &out));
-  EXPECT_NE(out.pins & raven::pins::kFootPedal, 0) << "though the master has lifted it";
+  EXPECT_NE(out.pins & raven::pins::kFootPedal, 0) << "the forged packet presses the pedal that the master has lifted";
 }
 
 INSTANTIATE_TEST_SUITE_P(Table, Axes, ::testing::ValuesIn(kAxes));

@@ -17,8 +17,8 @@
 #include "raven2_trainer/wire/itp.h"
 #include "unit/plant/dh_raven.h"
 
-// The emulated robot as a black box: datagrams and board packets in, its /ravenstate out. The numbers expected are
-// those published of the real software (raven2.md, section in each test's name or comment).
+// The emulated robot as a black box: datagrams and board packets in, its /ravenstate out. The expected numbers are
+// published ones of the real software (raven2.md, section in each test's name or comment).
 
 namespace raven2_trainer::conformance {
 
@@ -59,7 +59,7 @@ class Robot {
       cycle();
   }
 
-  /** With the next sequence number; by default engaged, no motion. */
+  /** A packet with the next sequence number; by default engaged, without motion. */
   wire::ItpPacket packet(int mode = 1) {
     wire::ItpPacket packet;
     packet.sequence = ++sequence;
@@ -81,7 +81,7 @@ class Robot {
     return send(p);
   }
 
-  /** In PEDAL_DN, `n` packets without motion. */
+  /** Brings the robot to PEDAL_DN, by `n` packets without motion. */
   void engage(int n = 50) {
     for (int k = 0; k < n; ++k) {
       send(packet());
@@ -126,7 +126,7 @@ class Robot {
   std::uint32_t sequence{0};
 };
 
-/** A master that leads one arm along poses of its joints: full increments, remainders of the micrometre carried. */
+/** A master that moves one arm along poses of its joints, in whole micrometres; carries the remainders. */
 class Lead {
  public:
   Lead(Robot* robot, Arm arm) : robot_(*robot), arm_(arm), q_(robot->geometry.home) {
@@ -135,7 +135,7 @@ class Lead {
     R_ = X.R;
   }
 
-  /** One packet and one cycle towards the pose of these joints. */
+  /** Sends one packet towards the pose of these joints and runs one cycle. */
   void to(const JointArray& q) {
     const Pose X = kinematics::forward(robot_.geometry, arm_, q);
     const Matrix3 C = control::itpToBase(arm_);
@@ -157,7 +157,7 @@ class Lead {
     q_ = q;
   }
 
-  /** One joint by `step` [rad; m] a cycle. */
+  /** Moves one joint by `step` [rad; m], in one cycle. */
   void move(std::size_t joint, double step) {
     JointArray q = q_;
     q[joint] += step;

@@ -3,7 +3,7 @@
 #include "conformance/robot.h"
 #include "unit/raven/raven_fixture.h"
 
-// raven2.md 4.3, 4.4, 4.5, 4.6: run levels, homing, what is checked and what not.
+// raven2.md 4.3, 4.4, 4.5, 4.6: run levels, homing, the checks that the robot does and those that it does not.
 
 namespace raven2_trainer::conformance {
 namespace {
@@ -86,7 +86,7 @@ TEST(RunLevels, AfterAnEStopReadyTakesAbout14TicksAndNoHoming) {
       raven::decodeOut(robot.out[0], &out);
       if ((out.pins & pins::kReady) != 0) break;
     }
-    EXPECT_NEAR(cycles, 14 + 4, 2);  // four until the level counts
+    EXPECT_NEAR(cycles, 14 + 4, 2);  // a level counts after four cycles
     robot.cycles(10);
     EXPECT_EQ(robot.level(), RunLevel::kPedalUp);
     EXPECT_EQ(robot.report().encoder_offset, offsets);
@@ -153,8 +153,8 @@ TEST(Homing, FindsTheHardStopsOfBothArmsAndEndsAtHome) {
   for (const Arm arm : kArms) {
     const JointArray q = robot.plant.jointPositions(arm);
     for (std::size_t j = 0; j < kJointCount; ++j) {
-      // The true joints, which the software has never seen. The integral brought along from the stop keeps the roll
-      // some degrees from home: 2.1 and 2.7 in a recording of the real software.
+      // The true joints, which the software has never seen. The integral from the stop keeps the roll some degrees from
+      // home: 2.1 and 2.7 in a recording of the real software.
       const double tolerance = j == kInsertion ? 0.001 : j == kToolRotation ? 0.06 : 0.02;
       EXPECT_NEAR(q[j], robot.geometry.home[j], tolerance) << name(arm) << " " << kJointNames[j];
       EXPECT_NEAR(robot.report().jpos[Robot::channel(arm, j)], q[j], j == kInsertion ? 0.0005 : 0.01) << kJointNames[j];
@@ -202,7 +202,7 @@ int largestDac(const Robot& robot, Arm arm) {
   return largest;
 }
 
-/** Jump of one packet from the home pose. @return true if the robot stopped for it. */
+/** Sends one packet with a jump from the home pose. @return true if the robot stopped. */
 bool stopsAfter(Arm arm, const std::array<int, 3>& um, bool* clipped = nullptr) {
   Robot robot;
   robot.engage();
@@ -248,8 +248,8 @@ TEST(Jumps, ZOf20And30MillimetresMoveNothing) {
     robot.jump(Arm::kGold, {0, 0, um});
     const bool refused = robot.jposD(Arm::kGold, kInsertion) == before;
     const bool stopped = robot.software.state().soft_estopped != 0;
-    EXPECT_TRUE(refused || (stopped && um == 20000)) << um;  // 20 mm is on the edge between the two
-    EXPECT_EQ(robot.level(), RunLevel::kPedalDown) << "silently";
+    EXPECT_TRUE(refused || (stopped && um == 20000)) << um;  // 20 mm is at the edge between refusal and stop
+    EXPECT_EQ(robot.level(), RunLevel::kPedalDown) << "a refusal does not change the run level";
   }
 }
 
@@ -261,7 +261,7 @@ TEST(Refusal, OfGoldFreezesGreen) {
   const auto target = robot.posD(Arm::kGreen);
   robot.jump(Arm::kGreen, {2000, 0, 0});
   EXPECT_EQ(robot.jposD(Arm::kGreen, kShoulder), before);
-  EXPECT_EQ(robot.posD(Arm::kGreen)[1], target[1] + 2000) << "pos_d goes on";
+  EXPECT_EQ(robot.posD(Arm::kGreen)[1], target[1] + 2000) << "pos_d moves on";
 }
 
 TEST(Refusal, OfGreenDoesNotFreezeGold) {
@@ -285,13 +285,13 @@ TEST(Overdrive, RowAfterTheDemandIsZeroAndTheLevelFallsAfterTheWatchdogsLimit) {
   int cycles = 0;
   for (; robot.level() != RunLevel::kEStop && cycles < 1000; ++cycles)
     robot.cycle();
-  EXPECT_GE(cycles, 170);  // 0.2 s after the last edge, which was up to 25 ms earlier
+  EXPECT_GE(cycles, 170);  // 0.2 s after the last watchdog edge, which was up to 25 ms earlier
   EXPECT_LE(cycles, 210);
-  EXPECT_EQ(robot.software.state().soft_estopped, 0) << "cleared in E-STOP";
+  EXPECT_EQ(robot.software.state().soft_estopped, 0) << "E-STOP clears it";
 }
 
 TEST(Overdrive, ChannelsWithoutAnInstantLimit) {
-  // Only grasper 2: closing by 90 degrees in one packet from a torque beyond any clip.
+  // Only grasper 2: closing by 90 degrees in one packet gives a torque beyond any clip.
   Robot robot;
   robot.engage();
   wire::ItpPacket p = robot.packet();
@@ -354,14 +354,14 @@ TEST(RemoteCentre, GoingOutFreezesNear457MillimetresAndResumesOnTheWayBack) {
   EXPECT_NEAR(robot.jposD(Arm::kGold, kInsertion), 0.457, 0.001);
   const auto target = robot.posD(Arm::kGold);
   lead.move(kInsertion, 3e-5);
-  EXPECT_NE(robot.posD(Arm::kGold), target) << "pos_d goes on";
+  EXPECT_NE(robot.posD(Arm::kGold), target) << "pos_d moves on";
   EXPECT_EQ(robot.level(), RunLevel::kPedalDown);
   for (int k = 0; k < 1000; ++k)
     lead.move(kInsertion, -3e-5);
   EXPECT_NEAR(robot.jposD(Arm::kGold, kInsertion), lead.q()[kInsertion], 1e-4);
 }
 
-// ---- 4.5b, the quaternion that is none
+// ---- 4.5b, the invalid quaternion
 // -----------------------------------------------------------------------------------
 
 class BadQuaternion : public ::testing::TestWithParam<double> {};
@@ -373,7 +373,7 @@ TEST_P(BadQuaternion, FreezesTheArmSilentlyUntilThePedalIsLifted) {
   const double shoulder = robot.jposD(Arm::kGold, kShoulder);
   wire::ItpPacket p = robot.packet();
   p.Qw[0] = GetParam();
-  EXPECT_TRUE(robot.send(p)) << "accepted like any other";
+  EXPECT_TRUE(robot.send(p)) << "the robot accepts the packet like any other";
   robot.cycle();
   EXPECT_TRUE(robot.oriD(Arm::kGold).array().isNaN().all());
   constexpr std::int64_t kTwo31 = std::int64_t{1} << 31;
@@ -391,7 +391,7 @@ TEST_P(BadQuaternion, FreezesTheArmSilentlyUntilThePedalIsLifted) {
   }
   EXPECT_EQ(robot.level(), RunLevel::kPedalDown);
   EXPECT_EQ(robot.software.state().soft_estopped, 0);
-  EXPECT_EQ(robot.software.state().itp.applied, 50u + 1u + 500u) << "counting goes on";
+  EXPECT_EQ(robot.software.state().itp.applied, 50u + 1u + 500u) << "packets are counted further";
 
   robot.send(robot.packet(0));
   robot.cycles(10);
@@ -420,7 +420,7 @@ TEST(Boards, AFailedReadLeavesTheOldCountsAndNothingElseHappens) {
     PerArm<raven::UsbRead> reads;
     for (const Arm arm : kArms) {
       raven::UsbIn other;
-      other.pins = 0;  // E-STOP, were it believed
+      other.pins = 0;  // E-STOP, if the robot used it
       other.encoder.fill(12345);
       at(reads, arm).bytes = raven::encodeIn(other);
       at(reads, arm).result = result;

@@ -9,12 +9,12 @@
 #include "raven2_trainer/studies/detector_study.h"
 #include "support/rig.h"
 
-// The detector on guard in the emulated robot, whole stack in lockstep.
+// The detector as a guard in the emulated robot, with the whole stack in lockstep.
 
 namespace raven2_trainer::lockstep {
 namespace {
 
-constexpr int kSettled = 4000;  // ms: homed, pedal down, the hands at work
+constexpr int kSettled = 4000;  // ms: homed, pedal down, the surgeon at work
 
 struct Seen {
   std::vector<Vector3> tips;      ///< [m] true, gold
@@ -43,7 +43,7 @@ Seen runWith(Mitigation mitigate, const FaultPlan& plan, int watched) {
   return seen;
 }
 
-/** Without a fault, and with the one of the tests below; only once. */
+/** A run without a fault; run once. */
 const Seen& golden() {
   static const Seen seen = runWith(Mitigation::kOff, FaultPlan{}, 2000);
   return seen;
@@ -80,11 +80,11 @@ TEST(Mitigation, ChangesNothingWithoutFaults) {
 TEST(Mitigation, HoldWritesTheLastSafeCommandWhileTheAlarmLasts) {
   const Seen& off = unguarded();
   const Seen hold = runWith(Mitigation::kHold, torque(12000, 16), 300);
-  ASSERT_GT(departure(off), 0.001) << "the fault must matter";
+  ASSERT_GT(departure(off), 0.001) << "[m] the fault has hardly an effect: the test shows nothing";
   EXPECT_LT(departure(hold), 0.5 * departure(off));
   EXPECT_GE(hold.report.alarms, 1U);
   EXPECT_FALSE(hold.soft_stopped);
-  // Somewhere in the fault's 16 ms another command than the fault's was written; without the guard nowhere.
+  // Without the guard, all 16 ms of the fault write the fault's command; with it, at least one writes another.
   const auto written = [](const Seen& run) { return std::count(run.dac.begin(), run.dac.begin() + 16, 12000); };
   EXPECT_EQ(written(off), 16);
   EXPECT_LT(written(hold), 16);

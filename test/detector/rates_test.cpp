@@ -10,8 +10,8 @@
 #include "support/effort.h"
 #include "support/rig.h"
 
-// A seeded part of what evaluate_detector runs in full (doc/detector.md), and that its parts are what they are said to
-// be.
+// Runs a seeded part of the evaluation that evaluate_detector runs in full (doc/detector.md), and checks the parts of
+// that evaluation.
 
 namespace raven2_trainer::lockstep {
 namespace {
@@ -27,7 +27,7 @@ std::vector<studies::StudyOutcome> evaluate(const studies::EvaluateOptions& opti
   return outcomes;
 }
 
-/** One stuck value, -15000 counts, at 1 to 19 ms. */
+/** One stuck value, -15000 counts, for 1 to 19 ms. */
 studies::EvaluateOptions oneTorque() {
   studies::EvaluateOptions options;
   options.input_starts = options.add_starts = 0;
@@ -35,15 +35,15 @@ studies::EvaluateOptions oneTorque() {
   return options;
 }
 
-/** Its outcomes; only once. */
+/** The outcomes of oneTorque(); computed once. */
 const std::vector<studies::StudyOutcome>& outcomesOfOneTorque() {
   static const std::vector<studies::StudyOutcome> outcomes = evaluate(oneTorque());
   return outcomes;
 }
 
-/** Rates of the acceptance: DSN 2016, table IV. The full evaluation is held against the rates themselves; on so few
- * runs (here 57 to 160 a scenario) they are a binomial test: as many wrong runs
- * are granted as a detector with exactly these rates exceeds in 2.5 of 100 choices of seeds. */
+/** Required rates: DSN 2016, table IV. The full evaluation is compared with the rates themselves. For the few runs here
+ * (57 to 160 for each scenario) a binomial test is used. A detector with exactly these rates exceeds the granted number
+ * of wrong runs in at most 2.5 of 100 choices of seeds. */
 struct Bound {
   Scenario scenario;
   double true_positive, false_positive;
@@ -97,7 +97,7 @@ TEST(DetectorRates, NoAlarmWithoutAFault) {
     for (const studies::TrialTick& tick : trial.past())
       largest = std::max(largest, detector.step(studies::observationOf(tick)).size);
   }
-  // 5 s of both arms from each seed; an alarm is above 1, and what is held under an alarm must be below half of one
+  // 5 s of both arms from each seed. An alarm is a size above 1; without a fault the size must stay below half of that.
   EXPECT_GT(largest, 0.0);
   EXPECT_LT(largest, 0.5);
 }
@@ -113,8 +113,8 @@ TEST(DetectorRates, SameSeedSameOutcomes) {
 }
 
 TEST(DetectorRates, TruthIsAboutTheTipAlone) {
-  // GIVEN one stuck value at 1 to 19 ms THEN the departure grows with the length, a run is unsafe exactly beyond 1 mm,
-  // and was decided by the shortest length that is
+  // GIVEN one stuck value for 1 to 19 ms THEN the departure grows with the length, and a run is unsafe exactly if it
+  // departs by more than 1 mm. All unsafe runs are decided at the end of the shortest unsafe length.
   const std::vector<studies::StudyOutcome>& outcomes = outcomesOfOneTorque();
   ASSERT_EQ(outcomes.size(), 19U);
   Tick shortest = 0;
@@ -122,7 +122,7 @@ TEST(DetectorRates, TruthIsAboutTheTipAlone) {
     EXPECT_EQ(o.is_unsafe, o.departure > oneTorque().unsafe);
     if (o.is_unsafe && shortest == 0) shortest = o.fault.length;
     EXPECT_EQ(o.decided, o.is_unsafe ? shortest - 1 : -1);
-    EXPECT_TRUE(!o.is_unsafe || o.harmed >= o.decided) << "harm comes after it was decided";
+    EXPECT_TRUE(!o.is_unsafe || o.harmed >= o.decided) << "harm comes before the run is decided";
   }
   EXPECT_FALSE(outcomes.front().is_unsafe);
   EXPECT_TRUE(outcomes.back().is_unsafe);

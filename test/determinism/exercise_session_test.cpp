@@ -11,12 +11,12 @@
 #include "raven2_trainer/session/session_log.h"
 #include "support/rig.h"
 
-// Hands that do an exercise, in lockstep: they see pictures and hold pedals through the bytes of the sockets.
+// Simulated surgeons do an exercise in lockstep. They see the scene and hold pedals through the bytes of the sockets.
 
 namespace raven2_trainer::lockstep {
 namespace {
 
-/** Holds the pedal for so many ticks and is finished then. */
+/** Holds the pedal for so many ticks, then is finished. */
 struct ShortHands : console::MotionSource {
   explicit ShortHands(int how_long) : left(how_long) {}
   console::Intent tick(const console::Senses&) override {
@@ -80,7 +80,7 @@ TEST_F(ExerciseSession, AnExpertsIsTheSameFromTheSameSeedAndSimulatesAgain) {
   EXPECT_EQ(header.motion, "expert");
   EXPECT_EQ(header.exercise, "pick_hand_over_place");
   EXPECT_EQ(header.motion_scale, config.console.scale);
-  ASSERT_GE(truth.events().size(), 2U) << "it sees, and so gets beyond the first verb's beginning";
+  ASSERT_GE(truth.events().size(), 2U) << "without sight the surgeon would not get beyond the first verb";
   ASSERT_EQ(truth.events().size(), again.events().size());
   EXPECT_EQ(truth.events().back().sequence, again.events().back().sequence);
 }

@@ -19,7 +19,7 @@ namespace {
 
 using raven2_trainer::testing::packagedConfig;
 
-// [s] a jump at 8 s; in the long form also those at 16 and 24 s
+// [s] includes the jump at 8 s; in the long form also the jumps at 16 and 24 s
 const double kJumpsSeconds = static_cast<double>(raven2_trainer::testing::effort(10, 26));
 
 struct PortOfSession {
@@ -46,7 +46,7 @@ class HapticSession : public ::testing::Test {
         session.tick();
         add(session.view().haptic, config, &since_deviation, &port);
         if (session.view().model.tick > 60000) {
-          ADD_FAILURE() << "no session of that length";
+          ADD_FAILURE() << "the session did not reach that length";
           break;
         }
       }
@@ -92,7 +92,7 @@ TEST_F(HapticSession, TheSuddenJumpIsFeltWholeWithThePassivityControllerOn) {
   EXPECT_GT(port.felt, 100);
   EXPECT_GT(port.force, 0.4);
   EXPECT_EQ(port.free_force, 0.0);
-  EXPECT_EQ(port.least_gain, 1.0) << "a cue that nothing swings with is not touched";
+  EXPECT_EQ(port.least_gain, 1.0) << "the passivity controller reduced a force that causes no oscillation";
 }
 
 TEST_F(HapticSession, ALooseHandBehindFiftyMillisecondsFeelsItToo) {
@@ -107,7 +107,7 @@ TEST_F(HapticSession, ALooseHandBehindFiftyMillisecondsFeelsItToo) {
   EXPECT_GT(port.felt, 100);
   EXPECT_GT(port.energy, 0.0);
   EXPECT_EQ(port.free_force, 0.0);
-  EXPECT_EQ(port.least_gain, 1.0) << "a push of 0.3 s does not swing";
+  EXPECT_EQ(port.least_gain, 1.0) << "a force of 0.3 s causes no oscillation";
 }
 
 }  // namespace

@@ -43,7 +43,7 @@ class LockstepTest : public ::testing::Test {
 TEST_F(LockstepTest, TheSameSeedGivesTheSameBytesAndAnotherSeedDoesNot) {
   const std::string first = session::fileHash(run("a", 1, "sudden_jump").log());
   EXPECT_NE(session::fileHash(run("b", 2, "sudden_jump").log()), first);
-  EXPECT_EQ(session::fileHash(run("c", 1, "sudden_jump").log()), first) << "nothing is left of the session before";
+  EXPECT_EQ(session::fileHash(run("c", 1, "sudden_jump").log()), first) << "the previous session left something behind";
 }
 
 TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
@@ -75,7 +75,7 @@ TEST_F(LockstepTest, ABadLinkIsTheSameBadLinkFromTheSameSeed) {
 TEST_F(LockstepTest, AHazardIsFeltAndOnlyAHazard) {
   const training::SessionMetrics jump = training::computeMetrics(run("jump", 1, "sudden_jump").log());
   ASSERT_EQ(jump.faults.size(), 1U);
-  EXPECT_EQ(jump.faults[0].last_tick - jump.faults[0].first_tick + 1, 300) << "300 cycles are 300 cycles";
+  EXPECT_EQ(jump.faults[0].last_tick - jump.faults[0].first_tick + 1, 300) << "the fault lasts 300 cycles";
   EXPECT_GT(jump.faults[0].max_error, 0.003);
   EXPECT_GT(jump.faults[0].max_force, 0.0);
   EXPECT_EQ(jump.error_max_force, 0.0);

@@ -1,4 +1,4 @@
-// record_eventful DIR SEED: a session in which everything happens that physics can be given, for scripts/session_sums.
+// record_eventful DIR SEED: records a session with every kind of input that physics accepts, for scripts/session_sums.
 
 #include <cstdio>
 #include <cstdlib>

@@ -42,13 +42,13 @@ class ResimulationTest : public ::testing::Test {
     return recording::Resimulation(config, session, output).run({});
   }
 
-  /** That of the eventful session, without a copy; only once. */
+  /** Result for the eventful session, without a copy; computed once. */
   static const recording::ResimulationResult& whole() {
     static const recording::ResimulationResult result = resimulate(paths);
     return result;
   }
 
-  /** Writes the log anew, each record as `change` leaves it; false leaves it out. */
+  /** Writes the log again and passes each record to `change`. If `change` returns false, the record is left out. */
   template <typename Record>
   static session::SessionPaths rewritten(
       const std::string& name,
@@ -136,7 +136,7 @@ TEST_F(ResimulationTest, TheSessionHeldEverythingThatPhysicsCanBeGiven) {
   EXPECT_GT(contacts, 1000U);
   EXPECT_GT(faulty, 0U);
   EXPECT_EQ(armed, 1U);
-  EXPECT_EQ(refused, 3U) << "with the pedal down, and two beyond the four that may be under way";
+  EXPECT_EQ(refused, 3U) << "one with the pedal down, and two beyond the four that may be under way";
   EXPECT_EQ(answered, 6U);
 }
 
@@ -144,7 +144,7 @@ TEST_F(ResimulationTest, GivesTheSameBitsInEveryTickContactAndForce) {
   const recording::ResimulationResult& result = whole();
   EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   EXPECT_GT(result.ticks, 6000U);
-  EXPECT_GE(result.forces, result.ticks - 1) << "every haptic tick but the one before the first model";
+  EXPECT_GE(result.forces, result.ticks - 1) << "every haptic tick except the one before the first model state";
 }
 
 TEST_F(ResimulationTest, GivesTheSameBitsInAProcessThatRanAnotherSession) {
@@ -157,7 +157,7 @@ TEST_F(ResimulationTest, GivesTheSameBitsInAProcessThatRanAnotherSession) {
   }
   dRandSetSeed(12345);
   EXPECT_FALSE(resimulate(paths).difference);
-  // The world seeds ODE's random numbers and takes none: whoever else uses them changes nothing.
+  // The world seeds ODE's random numbers but draws none. Other users of them change nothing.
   const unsigned long seed = dRandGetSeed();
   Rig rig(packagedConfig());
   const unsigned long seeded = dRandGetSeed();
@@ -177,7 +177,7 @@ TEST_F(ResimulationTest, RecordsASessionOfTheSameTicks) {
     return ticks;
   };
   EXPECT_EQ(ticksOf(session::SessionPaths{output}), ticksOf(paths));
-  EXPECT_FALSE(resimulate(session::SessionPaths{output}).difference) << "it can be simulated again itself";
+  EXPECT_FALSE(resimulate(session::SessionPaths{output}).difference) << "the copy cannot be simulated again";
 }
 
 /** Faults of every host, one of them on a signal. */
@@ -257,7 +257,7 @@ TEST_F(ResimulationTest, GivesADrillAgainFromWhatTheJudgeSees) {
   const recording::ResimulationResult result = recording::Resimulation(drilled, first, again.directory).run({});
   ASSERT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
   EXPECT_EQ(changesIn(first), changesIn(again));
-  ASSERT_EQ(changesIn(first).size(), 2U) << "it came and went";
+  ASSERT_EQ(changesIn(first).size(), 2U) << "one change for the fault's begin and one for its end";
 }
 
 TEST_F(ResimulationTest, TheSameSeedGivesTheSameDrill) {
@@ -281,7 +281,7 @@ TEST_F(ResimulationTest, NamesTheTickOfOneFlippedBitInOneCommand) {
     if (record.tick != flipped) return true;
     std::uint64_t bits = 0;
     std::memcpy(&bits, &record.command.dp_I[0][0], sizeof(bits));
-    bits ^= std::uint64_t{1} << 51U;  // some micrometres; increments count in whole ones
+    bits ^= std::uint64_t{1} << 51U;  // some micrometres; increments are whole micrometres
     std::memcpy(&record.command.dp_I[0][0], &bits, sizeof(bits));
     return true;
   });
@@ -327,7 +327,7 @@ TEST_F(ResimulationTest, NamesTheFirstForceThatIsNotThatOfItsStates) {
     record.haptic.force_B[0][0] = std::nextafter(record.haptic.force_B[0][0], 10.0);
     return true;
   });
-  ASSERT_GE(changed, 0) << "the hazard was not felt";
+  ASSERT_GE(changed, 0) << "the hazard caused no force";
   const recording::ResimulationResult result = resimulate(other);
   ASSERT_TRUE(result.difference);
   EXPECT_EQ(result.difference->tick, changed);
@@ -345,7 +345,7 @@ TEST_F(ResimulationTest, GoesOnBehindMissingForcesOnceNothingOfThemIsLeft) {
   ASSERT_EQ(left_out, 20);
   const recording::ResimulationResult result = resimulate(other);
   EXPECT_FALSE(result.difference) << result.difference->tick << ": " << result.difference->field;
-  EXPECT_GT(result.forces_unknown, whole().forces_unknown + 600) << "a rest of half a second and what was under way";
+  EXPECT_GT(result.forces_unknown, whole().forces_unknown + 600) << "half a second of rest plus the force under way";
   EXPECT_GT(result.forces, whole().forces / 2);
 }
 
@@ -360,7 +360,7 @@ TEST_F(ResimulationTest, RefusesASessionWithAMissingTickOrMissingInputs) {
     record.slipped = 0;
     return true;
   });
-  EXPECT_TRUE(resimulate(no_slip).difference) << "a time slip is an input like any other";
+  EXPECT_TRUE(resimulate(no_slip).difference) << "a time slip is an input, like the others";
 }
 
 TEST_F(ResimulationTest, FindsTheConfigurationInTheSessionItself) {
@@ -390,7 +390,7 @@ TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {
   session::LogWriter(old.log(), header).finish({});
   try {
     recording::sessionConfig(old);
-    FAIL() << "taken";
+    FAIL() << "the session was accepted";
   } catch (const SessionException& e) {
     const std::string said = "recorded with version 1 of the nominal model, this program has version ";
     EXPECT_NE(std::string(e.what()).find(said + std::to_string(kModelVersion)), std::string::npos) << e.what();

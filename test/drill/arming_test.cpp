@@ -11,7 +11,7 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/training/hazard_response.h"
 
-// Every exercise's drill strikes when and as the exercise says, in the whole: judge, link, robot, hands.
+// Every exercise's drill strikes when and as the exercise says, in the whole system: judge, link, robot, surgeon.
 
 namespace raven2_trainer::testing {
 namespace {
@@ -37,7 +37,7 @@ struct DrillRun {
     for (int i = 0; i < n; ++i)
       tick();
   }
-  /** @return false if it never struck. */
+  /** Ticks until the drill strikes. @return false if it does not. */
   bool strike() {
     const std::size_t before = began.size();
     for (int i = 0; i < 10000 && began.size() == before; ++i)
@@ -51,7 +51,7 @@ struct DrillRun {
 
   const TrainerConfig config;
   std::unique_ptr<lockstep::LockstepStack> stack;
-  Tick reached{-1};           ///< the step that starts the drill's clock
+  Tick reached{-1};           ///< tick that reaches the step that starts the drill's clock
   std::vector<Tick> began{};  ///< activations
   double largest_force{0.0};  ///< [N] on a hand
 };
@@ -70,7 +70,7 @@ TEST_P(OwnDrill, StrikesItsDelayAfterTheStepAndIsFelt) {
   run.largest_force = 0.0;
   for (int i = 0; i < 3000 && run.largest_force <= kFeltForce; ++i)
     run.tick();
-  EXPECT_GT(run.largest_force, kFeltForce) << "nobody would notice";
+  EXPECT_GT(run.largest_force, kFeltForce) << "too weak to be felt";
 }
 
 INSTANTIATE_TEST_SUITE_P(Exercises,
@@ -85,10 +85,10 @@ INSTANTIATE_TEST_SUITE_P(Exercises,
 
 TEST(Drill, ComesOnceInAnAttemptAndAgainInTheNext) {
   TrainerConfig config = drillConfig("pick_hand_over_place", "own", 1);
-  config.console.clutch_every = 5.0;  // attempts begin anew with the pedal up
+  config.console.clutch_every = 5.0;  // a new attempt needs a raised pedal
   DrillRun run(config);
   ASSERT_TRUE(run.strike());
-  run.ticks(9000);  // in the library it comes every 8 s
+  run.ticks(9000);  // the library's scenario repeats every 8 s
   EXPECT_EQ(run.began.size(), 1U);
   while (run.stack->view().model.pedal != 0)
     run.tick();
@@ -99,7 +99,7 @@ TEST(Drill, ComesOnceInAnAttemptAndAgainInTheNext) {
   ASSERT_TRUE(run.stack->shared()->requests.tryPush(again));
   run.ticks(3);
   ASSERT_EQ(run.stack->view().model.exercise.attempt, 2);
-  EXPECT_EQ(run.began.size(), 1U) << "the step of the attempt before is not its step";
+  EXPECT_EQ(run.began.size(), 1U) << "the step of the previous attempt does not start the new drill";
   run.reached = -1;
   ASSERT_TRUE(run.strike());
   const Tick delay = faults::drillPlan(run.config, 2, 1).faults[0].first_tick;
@@ -117,7 +117,7 @@ TEST(Drill, OfAnotherScenarioStrikesAtTheSameTick) {
     began.push_back(run.began[0]);
   }
   EXPECT_EQ(began[0], began[1]);
-  EXPECT_NEAR(static_cast<double>(began[2]), static_cast<double>(began[0]), 3.0) << "of the daemon, without the link";
+  EXPECT_NEAR(static_cast<double>(began[2]), static_cast<double>(began[0]), 3.0) << "a daemon's fault needs no link";
 }
 
 TEST(Drill, TheSeedDecidesTheTick) {

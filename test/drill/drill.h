@@ -9,7 +9,7 @@
 
 namespace raven2_trainer::testing {
 
-/** What no hand can fail at: nobody holds the scene's first object, for a third of a second. */
+/** A step that every surgeon passes: nobody holds the scene's first object, for 0.3 s. */
 inline ExerciseStep easyStep(const std::string& name) {
   Predicate untouched;
   untouched.kind = PredicateKind::kHeld;
@@ -19,8 +19,8 @@ inline ExerciseStep easyStep(const std::string& name) {
 }
 
 /**
- * A shipped exercise with a drill, for hands that only move about: its timer starts with the pedal, and the steps
- * before the drill's do themselves. The rest stays as it is; so does the judge, whose steps they are.
+ * A shipped exercise with a drill, for a simulated surgeon that only moves about. Its timer starts with the pedal, and
+ * the steps before the drill's pass without an action. The rest of the exercise and the judge are unchanged.
  * @param[in] drill "own" or a scenario.
  */
 inline TrainerConfig drillConfig(const std::string& exercise, const std::string& drill, std::uint64_t seed) {

@@ -19,16 +19,16 @@
 #include "raven2_trainer/training/session_metrics.h"
 #include "raven2_trainer/training/session_score.h"
 
-// Two simulated trainees run into the same drill: one lets go of the pedal 400 ms after the force came, one goes on.
-// The score is held against what the first one knows that it did.
+// Two simulated trainees meet the same drill. One releases the pedal 400 ms after the force began, the other goes on.
+// The score is compared with the first trainee's own record.
 
 namespace raven2_trainer::testing {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSeconds = 9.0;       // the longest a drill of these waits, a hand's 3 s, and some
-constexpr double kAgreement = 5.0;     // [ms] of a measured reaction time with the truth
+constexpr double kSeconds = 9.0;       // longest delay of these drills, plus 3 s for the response, plus a margin
+constexpr double kAgreement = 5.0;     // [ms] between the measured reaction time and the truth
 constexpr double kReactionTime = 0.4;  // [s]
 
 bool isFull() {
@@ -36,7 +36,7 @@ bool isFull() {
   return full != nullptr && std::string(full) == "1";
 }
 
-/** A recorded session of one trainee, and what that one did. */
+/** A recorded session of one trainee, with the trainee's own record. */
 class Session {
  public:
   Session(const TrainerConfig& config, bool reacts) : config_(config) {
@@ -70,7 +70,7 @@ class Session {
     return training::scoreSession(log(), settings);
   }
 
-  /** [1 ms] session tick that used the packet with which the trainee did this for the first time; -1 never. */
+  /** [1 ms] session tick that used the packet of the trainee's first such action; -1 if there was no such action. */
   Tick tickOf(const std::string& what) const {
     for (const console::TruthEvent& event : truth_.events()) {
       if (event.what == what) return sessionTickOf(event.sequence);
@@ -129,7 +129,7 @@ void compareTrainees(const std::string& exercise, const std::string& drill, std:
   ASSERT_EQ(first.hazards.size(), 1U);
   ASSERT_EQ(second.hazards.size(), 1U);
   EXPECT_EQ(first.hazards[0].scenario, config.drill);
-  EXPECT_EQ(first.hazards[0].injection, second.hazards[0].injection) << "the same seed, the same drill";
+  EXPECT_EQ(first.hazards[0].injection, second.hazards[0].injection) << "the same seed gives the same drill";
   EXPECT_EQ(first.hazards[0].response.verdict, training::Verdict::kRight);
   const training::Verdict other = second.hazards[0].response.verdict;
   EXPECT_TRUE(other == training::Verdict::kWrong || other == training::Verdict::kNone)
@@ -151,7 +151,7 @@ TEST(Trainees, TheLogTellsTheDrillAndItsInjection) {
   ASSERT_TRUE(session.ran());
   const session::LogHeader header = session::readLogHeader(session.log());
   EXPECT_EQ(header.exercise, "pick_hand_over_place");
-  EXPECT_EQ(header.drill, "sudden_jump") << "own by its name";
+  EXPECT_EQ(header.drill, "sudden_jump") << "the drill `own`, by the name of its scenario";
   EXPECT_EQ(header.hazard, "sudden_jump");
   EXPECT_EQ(header.trainee, "t01");
   const training::SessionMetrics metrics = training::computeMetrics(session.log());

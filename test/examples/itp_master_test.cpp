@@ -1,4 +1,4 @@
-// The masters of doc/examples, run against a socket: the wire's decoder and the daemon's checks take every packet.
+// Runs the masters of doc/examples against a socket: the wire's decoder and the daemon's checks accept every packet.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ constexpr wire::ItpLimits kLimits{2000, 0.1};  ///< of config/network.yaml
 class Receiver {
  public:
   Receiver() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)) {
-    const int bytes = 1 << 22;  // all of them, should nobody read meanwhile
+    const int bytes = 1 << 22;  // room for all packets, even if nobody reads
     if (::setsockopt(socket_, SOL_SOCKET, SO_RCVBUFFORCE, &bytes, sizeof(bytes)) != 0)
       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &bytes, sizeof(bytes));
     sockaddr_in address{};
@@ -41,7 +41,7 @@ class Receiver {
   }
   ~Receiver() { ::close(socket_); }
 
-  /** What a program sends here until it ends. */
+  /** Runs a program until it ends. @return the packets that it sent here. */
   std::vector<wire::ItpPacket> listenTo(const std::string& program, const std::string& seconds) {
     const std::string command = program + " 127.0.0.1 " + std::to_string(port_) + " " + seconds;
     int status = -1;
@@ -54,7 +54,7 @@ class Receiver {
   }
 
  private:
-  /** Until that many have come, or 30 s are over. */
+  /** Receives so many packets, with at most 30 s of silence in all. */
   void take(std::size_t expected, std::vector<wire::ItpPacket>* packets) {
     for (int silent = 0; packets->size() < expected && silent < 300;) {
       std::uint8_t bytes[512];
@@ -73,7 +73,7 @@ class Receiver {
   std::uint16_t port_{0};
 };
 
-/** The masters take 6 s each, at the same time. */
+/** The masters run for 6 s each, in parallel. */
 class ExampleMaster : public ::testing::TestWithParam<const char*> {
  protected:
   static void SetUpTestSuite() {
@@ -106,7 +106,7 @@ TEST_P(ExampleMaster, SendsPacketsThatTheDaemonTakesAndDrawsACircle) {
     const double x = sums[0][1], y = sums[1][1];
     ASSERT_NEAR(std::hypot(x, y - 5000.0), 5000.0, 1.5) << "on the circle, at " << i;
     if (i == 5499) {
-      EXPECT_EQ(sums, (std::array<PerArm<int>, 3>{})) << "once around";
+      EXPECT_EQ(sums, (std::array<PerArm<int>, 3>{})) << "the circle is closed";
     }
   }
   EXPECT_EQ(farthest, 10000);

@@ -19,8 +19,8 @@
 #include "raven2_trainer/training/motion_metrics.h"
 #include "support/rig.h"
 
-// An attempt at a shipped exercise: the scripted surgeon at the console, daemon and virtual Raven in lockstep. What
-// became of it is told by the exercise's judge and, apart from that, from the model's poses and contacts alone.
+// An attempt at a shipped exercise: the scripted surgeon at the console, daemon and virtual Raven in lockstep. The
+// result comes from the exercise's judge and, independently, from the model's poses and contacts.
 
 namespace raven2_trainer::testing {
 
@@ -30,8 +30,8 @@ inline TrainerConfig trainingConfig(const std::string& exercise) {
   return config;
 }
 
-/** Whether a peg that stands upright passes through an object's opening, below the peg's top. By the peg's axis in the
- *  object's frame. */
+/** Whether an upright peg passes through an object's opening, below the peg's top. Uses the peg's axis in the object's
+ *  frame. */
 inline bool surrounds(const SceneObject& object, const Pose& X_WO, const ScenePeg& peg) {
   const Pose X_OW = X_WO.inverse();
   const Vector3 foot_O = X_OW * toEigen(peg.base_W), up_O = X_OW.R.col(2);
@@ -49,7 +49,7 @@ inline training::MotionSettings motionSettings(const ArmsConfig& arms) {
   return settings;
 }
 
-/** One attempt. @param[in] clumsy Name of the exercise's clumsy hand; empty: the expert. */
+/** One attempt. @param[in] clumsy Name of the exercise's clumsy surgeon; empty: the expert. */
 class Attempt {
  public:
   Attempt(const TrainerConfig& config, std::uint64_t seed, const std::string& clumsy = "")
@@ -68,8 +68,8 @@ class Attempt {
     }
   }
 
-  /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
-   *  @param[in] seen Ends it two seconds after it is true for the first time; may be empty. */
+  /** Runs until two seconds after the surgeon is finished, until the exercise has failed, or until the time is over.
+   *  @param[in] seen Ends the run two seconds after it first returns true; may be empty. */
   void run(const std::function<bool()>& seen = {}) {
     bool was_seen = false;
     Tick rest = 2000;
@@ -87,7 +87,7 @@ class Attempt {
     observe();
   }
 
-  // what the judge says
+  // the judge's results
   const ExerciseState& exercise() const { return model().exercise; }
   const std::vector<ExerciseRecord>& events() const { return events_; }
   double seconds() const { return static_cast<double>(exercise().ended - exercise().began) * kTickSeconds; }
@@ -99,12 +99,12 @@ class Attempt {
   double tremor() const { return training::overHands(motion_.result(), &training::HandMotion::tremor).value_or(0.0); }
   std::uint32_t mistakes(Mistake kind) const { return exercise().mistakes[static_cast<std::size_t>(kind)]; }
 
-  // what is so: an object around a peg, at rest, and touched by no arm
+  // by poses and contacts: an object is around a peg, at rest, and no arm touches it
   bool isPlaced(std::uint8_t object, std::uint8_t peg) const {
     return surrounds(config_.roles.objects[object], pose(object), config_.roles.pegs[peg]) && speeds_[object] < 1e-3 &&
            !touched_[object];
   }
-  /** Every `around` that the last steps of the tracks ask for. */
+  /** Whether every `around` in the last steps of the tracks is fulfilled. */
   bool isAllPlaced() const {
     for (const ExerciseTrack& track : config_.exercise.tracks) {
       for (const Predicate& p : track.steps.back().until) {
@@ -116,11 +116,11 @@ class Attempt {
   Pose pose(std::uint8_t object) const { return toEigen(model().bodies[object]); }
   double largestForce() const { return largest_force_; }  ///< [N] on a hand
 
-  // what the hands know
+  // the surgeon's own record
   bool finished() const { return stack_->finished(); }
   const std::vector<console::Verb>& verbs() const { return verbs_; }
   const console::TruthLog& truth() const { return truth_; }
-  /** Tick that used a packet. */
+  /** Tick that used the packet. */
   Tick tickOf(std::uint32_t sequence) const {
     const auto used = used_.lower_bound(sequence);
     return used == used_.end() ? model().tick : used->second;

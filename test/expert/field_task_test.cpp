@@ -8,15 +8,15 @@
 #include "expert/worse.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
-// Rings along rails, an instrument out of the field, camera and clutch: done by scripted hands through ITP and pedals
-// alone.
+// Rings along rails, an instrument out of the field, camera and clutch. A scripted surgeon does them through ITP and
+// pedals alone.
 
 namespace raven2_trainer::testing {
 namespace {
 
 constexpr std::uint64_t kFirst = 1;  ///< seed
 
-/** What does a step. */
+/** Kind of the verb that does a step. */
 console::VerbKind verbFor(const ExerciseStep& step) {
   switch (step.until.front().kind) {
     case PredicateKind::kHeld:
@@ -33,7 +33,7 @@ console::VerbKind verbFor(const ExerciseStep& step) {
   }
 }
 
-/** Steps of the tracks one after the other, and the verb that does each: several may be done by the same. */
+/** Steps of the tracks one after the other, and the verb that does each. One verb may do several steps. */
 std::vector<ScriptedStep> stepsInARow(const Exercise& exercise, const std::vector<console::Verb>& verbs) {
   std::vector<ScriptedStep> steps;
   std::size_t verb = 0;
@@ -52,7 +52,7 @@ std::vector<ScriptedStep> stepsInARow(const Exercise& exercise, const std::vecto
   return steps;
 }
 
-/** Something to be so for a while, told from poses alone. */
+/** A condition on poses that must hold for a time. */
 struct Milestone {
   std::function<bool(const ModelState&)> is_there;
   double dwell{};  ///< [s]
@@ -78,7 +78,7 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     return attempt;
   }
 
-  /** That of the expert with which clumsy hands are compared; only once. */
+  /** The expert's attempt, with which clumsy surgeons are compared; run once. */
   std::shared_ptr<Attempt> first() const {
     static std::map<std::string, std::shared_ptr<Attempt>> known;
     std::shared_ptr<Attempt>& one = known[GetParam()];
@@ -86,7 +86,7 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     return one;
   }
 
-  /** Until the hands are finished and everything had two seconds to come to rest, it has failed, or the time is over.
+  /** Runs until two seconds after the surgeon is finished, until the exercise has failed, or until the time is over.
    *  @return whether all milestones were passed, in their order. */
   bool run(Attempt* attempt, const ClumsyHand* hand) const {
     const bool ends_at_mistake = hand != nullptr && !isFull() && isLong(GetParam());
@@ -139,7 +139,7 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     return {[p = point(name)](const ModelState& m) { return (toEigen(m.camera.eye_W) - p).norm() <= 0.03; }, 0.3};
   }
 
-  /** A bar of the square ring where the jaws, not closed, meet it. */
+  /** Whether a bar of the square ring is between the jaws, which are neither closed nor wide open. */
   bool hasBarBetweenJaws(const ModelState& model, Arm arm) const {
     const SceneObject& ring = config_.roles.objects[0];
     const double middle = ring.inner_radius + ring.bar_radius;
@@ -154,10 +154,10 @@ class FieldExercise : public ::testing::TestWithParam<const char*> {
     return nearest < ring.bar_radius && opening > 0.1 && opening < 0.7;
   }
 
-  /** An object was led along all of a wire: each of its places passed through the opening, one after the other. */
+  /** An object was moved along a whole wire: each point of the wire passed through the opening, one after the other. */
   Milestone led(std::size_t object, std::size_t wire) const {
     const SceneObject& ring = config_.roles.objects[object];
-    auto next = std::make_shared<std::size_t>(1);  // of the foot the opening is only half full
+    auto next = std::make_shared<std::size_t>(1);  // the wire's foot fills only half of the opening
     return {[object, next, r = ring.inner_radius, line = config_.roles.wires[wire].line_W](const ModelState& m) {
               const Pose X_OW = toEigen(m.bodies[object]).inverse();
               if (*next < line.size()) {
@@ -187,7 +187,7 @@ TEST_P(FieldExercise, IsDoneThroughItpAndPedalsAlone) {
   }
   tellRate(GetParam(), times, all.size());
   EXPECT_GE(static_cast<double>(times.size()), 0.95 * static_cast<double>(all.size()));
-  EXPECT_LE(mistakes, all.size() / 10) << "none is intended; aims err";
+  EXPECT_LE(mistakes, all.size() / 10) << "the expert intends no mistake, but its aim has errors";
 }
 
 TEST_P(FieldExercise, ClumsyHandsDoWorseAsExpected) {

@@ -3,12 +3,12 @@
 #include "expert/truth.h"
 #include "expert/worse.h"
 
-// The exercises with rings, done by scripted hands through ITP alone.
+// The exercises with rings. A scripted surgeon does them through ITP alone.
 
 namespace raven2_trainer::testing {
 namespace {
 
-/** The same exercise with one of its objects alone. */
+/** The same exercise with only one of its objects. */
 TrainerConfig withOneObject(TrainerConfig config, const std::string& name) {
   Exercise& exercise = config.exercise;
   const auto isOther = [&](const auto& part) { return part.name != name; };
@@ -28,7 +28,8 @@ class RingExercise : public ::testing::TestWithParam<const char*> {
     config_ = trainingConfig(GetParam());
   }
 
-  /** All six rings of the pegs are the long form's; the short one takes the first or, of the second seed, the last. */
+  /** The long form uses all six rings of peg_transfer. The short form uses the first ring, or the last if the seed is
+   *  not the first. */
   TrainerConfig configOf(std::uint64_t seed) const {
     if (isFull() || std::string(GetParam()) != "peg_transfer") return config_;
     return withOneObject(config_, seed == kFirst ? "ring_1" : "ring_6");
@@ -49,7 +50,7 @@ class RingExercise : public ::testing::TestWithParam<const char*> {
     return attempt;
   }
 
-  /** That of the expert with which clumsy hands are compared; only once. */
+  /** The expert's attempt, with which clumsy surgeons are compared; run once. */
   std::shared_ptr<Attempt> first() const {
     static std::map<std::string, std::shared_ptr<Attempt>> known;
     std::shared_ptr<Attempt>& one = known[GetParam()];
@@ -69,7 +70,7 @@ TEST_P(RingExercise, IsDoneThroughItpAlone) {
     const auto tried = seed == kFirst ? first() : attempt(seed);
     if (!isDone(*tried)) continue;
     times.push_back(tried->seconds());
-    // None is intended, but a tool may brush against something once.
+    // The expert intends no mistake, but a tool may brush against something once.
     for (std::size_t kind = 0; kind < kMistakeCount; ++kind) {
       const std::uint32_t most = static_cast<Mistake>(kind) == Mistake::kCollision ? 1 : 0;
       EXPECT_LE(tried->exercise().mistakes[kind], most) << kMistakeNames[kind] << ", seed " << seed;
@@ -86,7 +87,7 @@ TEST_P(RingExercise, ClumsyHandsDoWorseAsExpected) {
     const auto clumsy = attempt(clumsySeed(GetParam()), &hand);
     EXPECT_TRUE(isWorse(*clumsy, *expert, expectation(hand))) << hand.name;
     const auto drops = static_cast<int>(clumsy->mistakes(Mistake::kDrop));
-    EXPECT_EQ(drops, toldOf(*clumsy, "let_go")) << hand.name << ": as often as it let go on the way";
+    EXPECT_EQ(drops, toldOf(*clumsy, "let_go")) << hand.name << ": as many drops as releases during a carry";
     if (!isFull()) break;
   }
 }

@@ -6,11 +6,11 @@
 
 #include "expert/attempt.h"
 
-// What became of an attempt, for those who look at it.
+// Prints the result of an attempt.
 
 namespace raven2_trainer::testing {
 
-/** RAVEN2_TRAINER_FULL=1: all seeds and hands. */
+/** RAVEN2_TRAINER_FULL=1: all seeds and clumsy surgeons. */
 inline bool isFull() {
   const char* full = std::getenv("RAVEN2_TRAINER_FULL");
   return full != nullptr && std::string(full) == "1";
@@ -32,7 +32,7 @@ inline std::string mistakesOf(const Attempt& attempt) {
   return all.empty() ? " none" : all;
 }
 
-/** One line. */
+/** Prints one line about the attempt. */
 inline void tell(const std::string& who, const Attempt& attempt) {
   const ExerciseState& state = attempt.exercise();
   std::printf(
@@ -45,7 +45,7 @@ inline void tell(const std::string& who, const Attempt& attempt) {
       static_cast<double>(attempt.model().tick) * kTickSeconds);
 }
 
-/** What the hands did and what the judge saw, in order of time. */
+/** Prints the surgeon's actions and the judge's events, in order of time. */
 inline void tellAll(const Attempt& attempt) {
   std::multimap<Tick, std::string> lines;
   for (const console::TruthEvent& event : attempt.truth().events())

@@ -5,18 +5,18 @@
 
 #include "expert/attempt.h"
 
-// Whether the judge saw what the hands did: they know, the judge does not ask them.
+// Checks the judge against the surgeon's own record, which the judge does not read.
 
 namespace raven2_trainer::testing {
 
-/** A step as the script does it. */
+/** A step and the verb of the script that does it. */
 struct ScriptedStep {
   std::uint8_t track{}, step{};
   int verb{};  ///< number in the script
 };
 
-/** Steps of exercises with rings, in the order of the script: what is carried is lifted first, what is taken over is
- *  handed over, what is put over a peg is placed. */
+/** Steps of exercises with rings, in the order of the script. The verbs carry, take_over and put_over each do the next
+ *  step of their object: lift, hand over, place. */
 inline std::vector<ScriptedStep> scriptedSteps(const Exercise& exercise, const std::vector<console::Verb>& verbs) {
   std::vector<ScriptedStep> steps;
   std::vector<std::uint8_t> next(exercise.tracks.size(), 0);
@@ -32,7 +32,7 @@ inline std::vector<ScriptedStep> scriptedSteps(const Exercise& exercise, const s
   return steps;
 }
 
-/** First tick of a verb's event `what`, and last; -1 none. */
+/** First and last tick of a verb's event; -1 if there is no such event. */
 struct Span {
   Tick first{-1}, last{-1};
 };
@@ -64,10 +64,10 @@ inline std::vector<ExerciseRecord> eventsOf(const Attempt& attempt, ExerciseEven
 }
 
 /**
- * When a step may be seen as done. Not before its verb began, or the jaws began to close for it: closing may lift what
- * they take. Where something is let go, not before the jaws began to open. Not later than the verb's end by more than
- * the step's dwell and what comes on top: the robot lags behind the hand by 80 ms, an object counts as let go after 50
- * ticks without a press, its speed is a mean of 20.
+ * The ticks in which the judge may report a step as done. The first is the begin of its verb, or the tick in which the
+ * jaws began to close for it, because closing may lift the object. If the verb opens the jaws, the first is that tick.
+ * The last is the verb's end plus the step's dwell plus 200 ticks. These cover the robot's lag of 80 ms, the 50 ticks
+ * without a press after which an object counts as released, and the mean of its speed over 20 ticks.
  */
 inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
   constexpr Tick kOnTop = 200;
@@ -78,8 +78,8 @@ inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
   return {open.first >= 0 ? open.first : taken, end.last + std::llround(what.dwell / kTickSeconds) + kOnTop};
 }
 
-/** Adds a failure for each step that the judge saw out of the script's order or at another time than it was done; what
- *  was dropped may be done later. */
+/** Adds a failure for each step that the judge reported out of the script's order or outside of its window. After a
+ *  drop, steps may be late. */
 inline void expectStepsAsDone(const Attempt& attempt, const std::vector<ScriptedStep>& steps, const std::string& who) {
   const std::vector<ExerciseRecord> seen = eventsOf(attempt, ExerciseEventKind::kStepDone);
   ASSERT_LE(seen.size(), steps.size()) << who;

@@ -8,7 +8,7 @@
 
 #include "expert/told.h"
 
-// Clumsy hands against the expert, in the way that the exercise's file expects.
+// Compares clumsy surgeons with the expert, by the expectation in the exercise's file.
 
 namespace raven2_trainer::testing {
 
@@ -16,7 +16,7 @@ inline bool isDone(const Attempt& attempt) {
   return attempt.exercise().status == ExerciseStatus::kDone;
 }
 
-/** 1 to `many`, or the one that is asked for by RAVEN2_TRAINER_SEED. */
+/** Seeds 1 to `many`, or only the seed in RAVEN2_TRAINER_SEED. */
 inline std::vector<std::uint64_t> seeds(int many) {
   if (const char* one = std::getenv("RAVEN2_TRAINER_SEED")) return {static_cast<std::uint64_t>(std::atoi(one))};
   std::vector<std::uint64_t> all;
@@ -25,14 +25,14 @@ inline std::vector<std::uint64_t> seeds(int many) {
   return all;
 }
 
-/** How many were done, and how long it took. */
+/** Prints how many attempts were done, and their median time. */
 inline void tellRate(const char* exercise, std::vector<double> times, std::size_t tried) {
   std::sort(times.begin(), times.end());
   std::printf("  %s: %zu of %zu done, median %.1f s\n", exercise, times.size(), tried,
               times.empty() ? 0.0 : times[times.size() / 2]);
 }
 
-/** What the exercise's file expects of a clumsy hand: a kind of thing and which. */
+/** The expectation of a clumsy surgeon in the exercise's file: kind (mistake, metric or fail) and name. */
 inline std::pair<std::string, std::string> expectation(const ClumsyHand& hand) {
   for (const ScriptValue& value : hand.values) {
     if (value.key.compare(0, 7, "expect/") == 0) return {value.key.substr(7), value.text};
@@ -40,12 +40,12 @@ inline std::pair<std::string, std::string> expectation(const ClumsyHand& hand) {
   return {};
 }
 
-/** Exercises of most of a minute: the short form does them once, and ends clumsy attempts at the mistake. */
+/** Exercises of almost a minute. The short form does them once, and ends clumsy attempts at the mistake. */
 inline bool isLong(const std::string& exercise) {
   return exercise == "peg_transfer" || exercise == "ring_tower_transfer" || exercise == "ring_along_loops";
 }
 
-/** Seed of the clumsy hands: where the expert has only the first one, they take the second. */
+/** Seed of the clumsy surgeons: the second one, if the expert uses only the first. */
 inline std::uint64_t clumsySeed(const std::string& exercise) {
   return !isFull() && isLong(exercise) ? 2 : 1;
 }
@@ -54,7 +54,7 @@ inline int seedsOf(const std::string& exercise) {
   return isFull() ? 20 : isLong(exercise) ? 1 : 2;
 }
 
-/** Whether the mistake was made that is expected of a clumsy hand. */
+/** Whether a clumsy surgeon made the expected mistake. */
 inline bool madeMistake(const Attempt& clumsy, const std::pair<std::string, std::string>& expected) {
   if (expected.second == "wire_touches" || expected.second == "wire_time")
     return clumsy.mistakes(Mistake::kWireTouch) > 0;
@@ -63,7 +63,7 @@ inline bool madeMistake(const Attempt& clumsy, const std::pair<std::string, std:
          clumsy.mistakes(static_cast<Mistake>(mistake - kMistakeNames.begin())) > 0;
 }
 
-/** Worse than the expert in the way that is expected, and in this test's own terms of what that means. */
+/** Whether a clumsy attempt is worse than the expert's, as the exercise's file expects. The limits are this test's. */
 inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pair<std::string, std::string>& expected) {
   const auto& [kind, which] = expected;
   if (kind == "fail") return which == nameOf(clumsy.exercise().failure);
@@ -72,7 +72,7 @@ inline bool isWorse(const Attempt& clumsy, const Attempt& expert, const std::pai
     const bool is_over = clumsy.exercise().failure == ExerciseFailure::kTimeLimit;
     return is_over || clumsy.seconds() > 1.5 * expert.seconds();
   }
-  if (which == "sparc") {  // less is worse, and both are negative
+  if (which == "sparc") {  // a lower value is worse; both are negative
     std::printf("  sparc %.2f, of the expert %.2f\n", clumsy.smoothness(), expert.smoothness());
     return clumsy.smoothness() < 1.25 * expert.smoothness();
   }

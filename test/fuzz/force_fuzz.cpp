@@ -3,7 +3,8 @@
 #include "fuzz/fuzz_target.h"
 #include "raven2_trainer/wire/itp.h"
 
-// The console's reader of force packets. First byte odd: the checksum is put right first, so that values get past it.
+// The console's reader of force packets. If the first byte is odd, the checksum is corrected first, so that the values
+// pass it.
 
 namespace {
 
@@ -40,7 +41,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fuzz::require(again.sequence == packet.sequence, "and read again the same");
   for (const Arm arm : kArms) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
-      // Writing saturates at -(2^31 - 1) mN; reading knows one more.
+      // The encoder saturates at -(2^31 - 1) mN; the decoder also accepts -2^31 mN.
       const double difference = std::abs(at(again.force_I, arm)[axis] - at(packet.force_I, arm)[axis]);
       fuzz::require(difference < 2e-3, "and its forces too");
     }

@@ -7,9 +7,9 @@
 #include "raven2_trainer/faults/packet_stream.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
-// The TCP link: bytes in any pieces, then what the frames say, then a robot that runs the fault plan.
-// Input: a byte (bit 0: headers and CRCs are put right first, so that payloads get past them), a byte that seeds the
-// sizes of the pieces, then the stream.
+// The TCP link: bytes in any pieces, then the frames' payloads, then a robot that runs the fault plan.
+// Input: a byte (bit 0: headers and CRCs are corrected first, so that payloads pass them), a byte that seeds the sizes
+// of the pieces, then the stream.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -32,7 +32,7 @@ void put(Bytes* bytes, std::size_t at, T value) {
   std::memcpy(bytes->data() + at, &value, sizeof(value));
 }
 
-/** Makes frames of the stream, where their lengths say they are. */
+/** Corrects headers and CRCs, so that the stream is a sequence of frames of the given lengths. */
 void mend(Bytes* stream) {
   for (std::size_t at = 0; stream->size() - at >= wire::kFrameHeaderSize;) {
     std::uint32_t length = 0;
@@ -50,7 +50,7 @@ void mend(Bytes* stream) {
   }
 }
 
-/** Runs an hour of ticks around the borders of the plan's numbers. */
+/** Runs a fault engine with the plan for 20 cycles. */
 void runPlan(const FaultPlan& plan) {
   faults::FaultEngine engine(FaultHost::kRobot);
   engine.setPlan(plan);
@@ -96,7 +96,7 @@ void use(const wire::Frame& frame) {
   wire::saysVirtual(frame);
 }
 
-/** Takes what is there; its end, broken or not, comes as the result. */
+/** Takes all complete frames. @return the result after the last one: no more data, or a broken stream. */
 FrameParser::Result takeAll(FrameParser* parser, std::vector<Taken>* frames) {
   wire::Frame frame;
   FrameParser::Result result{};

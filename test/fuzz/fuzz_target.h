@@ -12,8 +12,8 @@
 #include <string>
 #include <vector>
 
-// A fuzz target is one source NAME_fuzz.cpp with libFuzzer's entry. Whatever the bytes, it must return, having held
-// what require() says. libFuzzer drives it (scripts/fuzz); replay_test.cpp drives the same entry without clang.
+// A fuzz target is one source NAME_fuzz.cpp with libFuzzer's entry. For all bytes it must return, and its calls of
+// require() must hold. libFuzzer drives it (scripts/fuzz); replay_test.cpp drives the same entry without clang.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
@@ -21,12 +21,13 @@ namespace raven2_trainer::fuzz {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/** What a target promises. Not of this package's exceptions, so that no target takes it for a refusal. */
+/** Checks a promise of the target. Throws none of this package's exceptions, which targets catch as refusals. */
 inline void require(bool holds, const char* what) {
   if (!holds) throw std::logic_error(std::string("does not hold: ") + what);
 }
 
-/** How many messages a target has judged: an input may hold several. Told at the end in libFuzzer's manner. */
+/** Counts the messages that a target has judged: an input may hold several. Prints the count at the end in libFuzzer's
+ *  format. */
 class MessageCount {
  public:
   ~MessageCount() {
@@ -38,7 +39,7 @@ class MessageCount {
   std::uint64_t count_{0};
 };
 
-/** Takes an input apart; zeros behind its end. */
+/** Splits an input into its parts; zeros behind its end. */
 class Input {
  public:
   Input(const std::uint8_t* data, std::size_t size) : data_(data), left_(size) {}
@@ -73,8 +74,8 @@ class Input {
 };
 
 /**
- * Reads the rest of an input as edits of a good text: where, how much goes, what comes. Small changes of a large file
- * reach deeper than any text that a fuzzer finds by itself.
+ * Reads the rest of an input as edits of a good text: place, number of bytes to delete, bytes to insert. Small changes
+ * of a large file reach deeper than any text that a fuzzer finds by itself.
  */
 inline std::string edited(std::string text, Input* input) {
   while (!input->empty()) {
@@ -86,7 +87,7 @@ inline std::string edited(std::string text, Input* input) {
   return text;
 }
 
-/** A folder of this process in memory, gone at its end. */
+/** A folder of this process in memory, removed at its end. */
 class ScratchFolder {
  public:
   ScratchFolder() {

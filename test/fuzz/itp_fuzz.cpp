@@ -6,8 +6,8 @@
 #include "raven2_trainer/core/command.h"
 
 // The daemon's ingest, hardened, plain and signed: a stream of datagrams, judged one by one.
-// Input: for each datagram a byte (its size is 124 but for odd bytes, whose upper bits give it), then its bytes. The
-// byte also gives the time since the one before, up to 31 ms, and the sender, of two.
+// Input: for each datagram a byte, then its bytes. If the byte is even, the size is 124; if odd, the upper bits give
+// the size. The byte also gives the time since the last datagram, up to 31 ms, and one of two senders.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -31,7 +31,7 @@ void requireSane(const MasterCommand& command) {
   require(command.pedal <= 1, "the pedal is up or down");
 }
 
-/** Decoding loses nothing. */
+/** Decoding loses no information. */
 void requireRoundTrip(const wire::ItpPacket& packet, const Bytes& bytes) {
   const wire::ItpBytes again = wire::encodeItp(packet);
   require(std::memcmp(again.data(), bytes.data(), again.size()) == 0, "encoding gives the bytes decoded");
@@ -54,7 +54,7 @@ const wire::ItpKey& key() {
   return value;
 }
 
-/** One receiver; with signed ITP demanded nobody who lacks the key gets in. */
+/** One receiver. If signed ITP is required, it accepts no packet from a sender without the key. */
 class Ingest {
  public:
   explicit Ingest(ItpAuth auth) : auth_(auth), gate_(rules(auth), wire::Audience::kDaemon, &key()) {}

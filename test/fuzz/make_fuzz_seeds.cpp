@@ -37,7 +37,7 @@ wire::ItpPacket packet(std::uint32_t sequence, bool pedal) {
   return wire::fromCommand(command);
 }
 
-/** Datagrams of these numbers; negative: the pedal is up. */
+/** Datagrams with these sequence numbers; negative: the pedal is up. */
 Bytes stream(const std::vector<std::int64_t>& sequences) {
   Bytes bytes;
   for (const std::int64_t s : sequences) {

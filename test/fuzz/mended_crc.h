@@ -6,8 +6,8 @@
 
 namespace raven2_trainer::fuzz {
 
-/** Packet of an input whose first byte is a switch: odd, and the CRC at the end of a whole packet is put right, so that
- *  values get past it. */
+/** Packet of an input. If the first byte is odd, the CRC at the end of a whole packet is corrected, so that the values
+ *  pass it. */
 inline Bytes packetOf(const std::uint8_t* data, std::size_t size, std::size_t whole) {
   Input input(data, size);
   const bool mend = (input.byte() & 1U) != 0;

@@ -1,7 +1,8 @@
 #include "fuzz/mended_crc.h"
 #include "raven2_trainer/wire/pedals.h"
 
-// The daemon's reader of pedal packets. First byte odd: the CRC is put right first, so that values get past it.
+// The daemon's reader of pedal packets. If the first byte is odd, the CRC is corrected first, so that the values pass
+// it.
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace raven2_trainer;

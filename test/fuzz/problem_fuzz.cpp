@@ -19,7 +19,7 @@ void requireWithin(const ArmGeometry& geometry, const JointArray& q) {
 void requireSane(const ArmGeometry& geometry, const PlanRequest& request) {
   requireWithin(geometry, request.start);
   requireWithin(geometry, request.other);
-  require(request.goal == GoalKind::kTip || request.goal == GoalKind::kJoints, "a problem has a goal of its own");
+  require(request.goal == GoalKind::kTip || request.goal == GoalKind::kJoints, "a problem has a goal");
   if (request.goal == GoalKind::kJoints) requireWithin(geometry, request.goal_q);
   for (const double x : request.goal_W)
     require(std::abs(x) <= 1.0, "the goal is a place on the table");

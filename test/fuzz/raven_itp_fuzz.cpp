@@ -6,10 +6,10 @@
 #include "raven/network_layer.h"
 #include "raven2_trainer/core/fault_variables.h"
 
-// The robot's own receiver, which takes whatever the original took: any values, in its own order rule, with the packet
-// faults of a fuzzed plan. Nothing is promised of the poses (the original's become NaN too), but that no value is
-// undefined behaviour and that every packet is counted.
-// Input: a fault (16 bytes), then datagrams as in itp_fuzz.cpp; a longer one counts as cut to 124 bytes.
+// The robot's own receiver. It accepts the same packets as the original: any values, with its own order rule, here with
+// the packet faults of a fuzzed plan. The poses may become NaN, as in the original. But no value causes undefined
+// behaviour, and every packet is counted.
+// Input: a fault (16 bytes), then datagrams as in itp_fuzz.cpp; a longer one is cut to 124 bytes.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -37,7 +37,7 @@ FaultPlan readPlan(Input* input) {
   if (!value.empty()) std::memcpy(&fault.value, value.data(), value.size());
   fault.low = std::trunc(fault.value / 2.0);
   fault.high = fault.value;
-  if (!isSound(fault)) plan.count = 0;  // as the link refuses it
+  if (!isSound(fault)) plan.count = 0;  // the link refuses such a plan
   return plan;
 }
 

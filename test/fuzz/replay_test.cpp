@@ -7,8 +7,8 @@
 #include "raven2_trainer/core/random.h"
 #include "support/effort.h"
 
-// A fuzz target without libFuzzer: its seeds, then seeded mutations of them. The targets stay built and the crashes
-// once found stay mended also where there is no clang.
+// Runs a fuzz target without libFuzzer: its seeds, then seeded mutations of them. So the targets are built, and known
+// crashes are tested, also without clang.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -27,7 +27,7 @@ std::vector<Bytes> seeds() {
 }
 
 void run(const Bytes& input) {
-  Bytes copy = input;  // exactly as long as it is, so that a sanitizer sees a read behind it
+  Bytes copy = input;  // of exact capacity, so that a sanitizer detects a read behind its end
   copy.shrink_to_fit();
   LLVMFuzzerTestOneInput(copy.data(), copy.size());
 }

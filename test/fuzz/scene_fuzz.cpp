@@ -4,8 +4,8 @@
 #include "raven2_trainer/config/load_scene.h"
 #include "raven2_trainer/core/exceptions.h"
 
-// What a scene's parts are for. Input: a byte (even: the text follows; odd: edits of a packaged scene, fuzz_target.h),
-// the rest. The scene's URDF is the file itself: it must be there and is not read.
+// The roles of a scene's parts. Input: a byte (even: the text follows; odd: edits of a packaged scene, fuzz_target.h),
+// the rest. The fuzzed file itself is given as the scene's URDF, which must exist but is not read.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -19,7 +19,7 @@ void requireSane(const SceneRoles& roles) {
   for (const SceneObject& object : roles.objects)
     require(object.inner_radius >= 0.0 && object.inner_radius <= 0.05, "an opening is of a hand's size");
   for (const ScenePeg& peg : roles.pegs)
-    require(isNear(peg.base_W) && peg.height > 0.0 && peg.radius > 0.0, "a peg stands on the table");
+    require(isNear(peg.base_W) && peg.height > 0.0 && peg.radius > 0.0, "a peg is on the table");
   for (const SceneWire& wire : roles.wires) {
     require(wire.line_W.size() >= 2 && wire.line_W.size() <= config::kMaxWirePoints, "a wire has a line");
     for (const Vec3& p : wire.line_W)

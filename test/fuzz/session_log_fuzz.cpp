@@ -3,9 +3,9 @@
 #include "raven2_trainer/session/session_log.h"
 #include "session/record_frame.h"
 
-// The reader of session logs. Input: a byte, then the file. Bit 0 of the byte: a good first record is put in front and
-// the rest is taken as records (type, flags, length as 16 bits, payload), framed with a right CRC unless flag bit 0
-// says otherwise, so that values get past it.
+// The reader of session logs. Input: a byte, then the file. If bit 0 of the byte is set, the file begins with a good
+// first record, and the rest of the input is records (type, flags, length as 16 bits, payload). They get a correct CRC,
+// so that their values pass it, unless flag bit 0 is set.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -17,7 +17,7 @@ const ScratchFolder& scratch() {
   return folder;
 }
 
-/** A log without any record but the first. */
+/** A log with only the first record. */
 const std::string& goodStart() {
   static const std::string bytes = [] {
     const std::string path = scratch().path("start.rlog");
@@ -99,7 +99,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string path = fuzz::scratch().write("fuzzed.rlog", file);
   try {
     fuzz::read(path, file.size());
-  } catch (const SessionException&) {  // no log: said so
+  } catch (const SessionException&) {  // refused: not a log
   }
   return 0;
 }

@@ -3,7 +3,8 @@
 #include "fuzz/mended_crc.h"
 #include "raven2_trainer/wire/sight.h"
 
-// A scripted hand's reader of what it sees. First byte odd: the CRC is put right first, so that values get past it.
+// The scripted surgeon's reader of sight packets. If the first byte is odd, the CRC is corrected first, so that the
+// values pass it.
 
 namespace {
 

@@ -4,9 +4,9 @@
 #include "raven2_trainer/control/teleop_mapper.h"
 #include "raven2_trainer/wire/itp.h"
 
-// What the daemon's ingest lets through, moving the desired joints. Input: datagrams of 124 bytes, a byte before each
-// (odd: its quaternions are made unit and its increments are cut to the limit first, so that values get past the
-// checks).
+// Packets that the daemon's ingest accepts move the desired joints. Input: datagrams of 124 bytes, with a byte before
+// each. If the byte is odd, the quaternions are made unit and the increments are cut to the limit first, so that the
+// values pass the checks.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -57,8 +57,8 @@ class Teleop {
     require(mapper.desiredPose().p.allFinite() && mapper.desiredPose().R.allFinite(), "the desired pose is finite");
   }
 
-  /** As on the robot (raven2.md 2.3) the jaws' mid-line has a limit, not each jaw: at it they keep the wanted opening,
-   * so that one of them wants to go half of it beyond. */
+  /** As on the robot (raven2.md 2.3) the jaws' mid-line has a limit, not each jaw. At that limit the jaws keep the
+   * desired opening, so one of them may be beyond the limit by half of the opening. */
   void requireWithinLimits(const JointArray& q) const {
     constexpr double kMostOpening = 1.571;
     for (std::size_t j = 0; j < kJointCount; ++j) {
@@ -67,7 +67,7 @@ class Teleop {
               "desired joints stay near limits");
     }
     const double opening = kinematics::jawOpening(q);
-    require(opening >= -0.175 && opening <= kMostOpening, "the wanted opening is one the jaws have");
+    require(opening >= -0.175 && opening <= kMostOpening, "the desired opening is within the jaws' range");
   }
 
   static control::TeleopMapper makeMapper(Arm arm) {

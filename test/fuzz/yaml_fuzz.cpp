@@ -4,7 +4,7 @@
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 
-// Any text as a configuration file: every key is asked for as every type.
+// Any text as a configuration file: every key is read as every type.
 
 namespace raven2_trainer::fuzz {
 namespace {

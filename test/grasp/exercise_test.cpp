@@ -8,8 +8,8 @@
 #include "raven2_trainer/training/exercise_judge.h"
 #include "support/frs_roles.h"
 
-// The exercise pick_hand_over_place as the physics makes it: hands that know nothing of a judge, contacts of the
-// shipped scene. RingJudge looks on beside.
+// The exercise pick_hand_over_place in the physics. The simulated surgeon does not know the judge; contacts are those
+// of the shipped scene. RingJudge judges the same ticks.
 
 namespace raven2_trainer::testing {
 namespace {
@@ -88,7 +88,7 @@ TEST_P(ExaminedSeeds, PickingHandingOverAndPlacingIsDoneStepByStep) {
   EXPECT_EQ(e.count(ExerciseEventKind::kReleased), 2);
   for (const Mistake kind : {Mistake::kDrop, Mistake::kOutOfOrder, Mistake::kWrongArm, Mistake::kWireTouch})
     EXPECT_EQ(e.mistakes(kind), 0U) << kMistakeNames[static_cast<std::size_t>(kind)];
-  EXPECT_LT(e.nearest_target, 0.015) << "m of a tip to where the ring had to go";
+  EXPECT_LT(e.nearest_target, 0.015) << "[m] from a tip to the ring's target";
   std::printf("  seed %d: done in %.1f s, %u collisions\n", GetParam(),
               static_cast<double>(e.judge.state().ended - e.judge.state().began) * kTickSeconds,
               e.mistakes(Mistake::kCollision));
@@ -109,7 +109,7 @@ TEST(Examined, LettingGoInTheAirIsADrop) {
 
 TEST(Examined, PlacingWithoutHandingOverIsOutOfOrderAndNotDone) {
   Examination e(2);
-  // taken by green from the stand: the wrong arm, and the tower is reached without its turn
+  // green takes the ring from the stand: the wrong arm; the ring reaches the tower before that step is due
   e.task.grip(Arm::kGreen);
   e.task.carry(Arm::kGreen, level({0.010, 0.0, 0.045}));
   e.task.putOver(kTower);

@@ -12,8 +12,9 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/physics/raven_world.h"
 
-// Two hands that drive the nominal model along Cartesian paths through its own controller, as a session does: wanted
-// tool poses, inverse kinematics each tick, the PID of config/model.yaml with gravity held, the physics step.
+// A simulated surgeon's two hands. They drive the nominal model along Cartesian paths through its own controller, as a
+// session does: desired tool poses, inverse kinematics each tick, the PID of config/model.yaml with gravity
+// compensation, and the physics step.
 
 namespace raven2_trainer::testing {
 
@@ -23,7 +24,7 @@ inline TrainerConfig trainerConfig() {
   return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
 }
 
-/** Shaking of a hand as the model's tool feels it: one sine an axis. */
+/** A hand's tremor at the model's tool: one sine for each axis. */
 struct Tremor {
   double amplitude{0.0};                       ///< [m]
   std::array<double, 3> frequency{}, phase{};  ///< [Hz], [rad]
@@ -45,16 +46,16 @@ struct Tremor {
   }
 };
 
-/** Where one hand wants its tool: T in W, and the opening of the jaws. */
+/** One hand's desired tool pose, T in W, and desired opening of the jaws. */
 struct Wish {
   Pose X_WT;
-  double opening{};  ///< [rad] below what lies between the jaws: that much over-closed
+  double opening{};  ///< [rad] less than the object between the jaws: they press on it
 };
 
 class Hands {
  public:
-  /** @param[in] X_WR Where the ring starts; on its stand if null. @param[in] solid_scene False: nothing can be touched.
-   */
+  /** @param[in] X_WR Start pose of the ring; on its stand if null.
+   *  @param[in] solid_scene False: the scene has no contacts. */
   explicit Hands(const TrainerConfig& config, const Pose* X_WR = nullptr, bool solid_scene = true)
       : config_(config),
         raven_(model::loadRavenModel(config)),
@@ -73,7 +74,7 @@ class Hands {
   /** Called after each tick. */
   void setObserver(std::function<void(const Hands&)> observer) { observer_ = std::move(observer); }
 
-  /** Minimum-jerk move of one tool, the other one held; lasts as long as the mean speed [m/s] says, 0.3 s at least. */
+  /** Minimum-jerk move of one tool at this mean speed [m/s], in at least 0.3 s. The other tool is held. */
   void move(Arm arm, const Wish& goal, double speed) {
     const Wish start = at(wishes_, arm);
     const double turn = Eigen::AngleAxisd(start.X_WT.R.transpose() * goal.X_WT.R).angle();
@@ -88,7 +89,7 @@ class Hands {
   void moveTo(Arm arm, const Pose& X_WT, double speed) { move(arm, {X_WT, at(wishes_, arm).opening}, speed); }
   void open(Arm arm, double opening) { move(arm, {at(wishes_, arm).X_WT, opening}, 1.0); }
 
-  /** Wants the tool there from the next tick on. */
+  /** Sets the tool's desired pose from the next tick on. */
   void place(Arm arm, const Wish& wish) { at(wishes_, arm) = wish; }
 
   void hold(double seconds) {
@@ -101,7 +102,7 @@ class Hands {
     step();
   }
 
-  /** What a tick is made of, for whoever times its parts. */
+  /** The two parts of a tick, public for benchmarks: controls() and step(). */
   void controls() {
     for (const Arm arm : kArms) {
       aim(arm);
@@ -116,8 +117,8 @@ class Hands {
     if (observer_) observer_(*this);
   }
 
-  /** Joints that put the tool there, inside all limits, from where it is wanted now. @return false if there are none.
-   */
+  /** Joints for this tool pose, inside all limits, near the current desired joints. @return false if there is no
+   *  solution. */
   bool reaches(Arm arm, const Wish& wish, JointArray* q) const { return solve(arm, wish, at(q_d_, arm), q); }
 
   const physics::RavenWorld& world() const { return world_; }
@@ -128,7 +129,7 @@ class Hands {
   const Wish& wish(Arm arm) const { return at(wishes_, arm); }
   const PerArm<JointArray>& torque() const { return tau_; }
   Tick ticks() const { return ticks_; }
-  int outOfReach() const { return out_of_reach_; }  ///< ticks whose wish had no joints: the tool stood still
+  int outOfReach() const { return out_of_reach_; }  ///< ticks whose wish had no solution: the tool was held
 
   Pose tool(Arm arm) const {
     JointArray q, dq;

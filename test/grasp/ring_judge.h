@@ -9,8 +9,9 @@
 namespace raven2_trainer::testing {
 
 /**
- * What became of the ring, told from contacts and poses alone. Feed it every tick.
- * An arm holds the ring while both of its jaws press on it and neither the stand, the plate nor a tower does.
+ * Judges the ring's handling from contacts and poses alone. Call observe() in every tick.
+ * An arm holds the ring while both of its jaws press on it. It holds the ring alone if neither the other arm, nor the
+ * stand, the plate or a tower touches the ring.
  */
 class RingJudge {
  public:
@@ -44,14 +45,14 @@ class RingJudge {
   double carried(Arm arm) const { return at(paths_, arm).displacement; }  ///< [m] largest between two points
   double turned(Arm arm) const { return at(paths_, arm).turn; }           ///< [rad] largest from the first pose held
   double bothSeconds() const { return both_ticks_ * kTickSeconds; }
-  double looseSeconds() const { return loose_ticks_ * kTickSeconds; }  ///< touching nothing at all
+  double looseSeconds() const { return loose_ticks_ * kTickSeconds; }  ///< without any contact
   double speed() const { return speed_; }                              ///< [m/s] of the ring's middle
-  double deepest() const { return deepest_; }                          ///< [m] of the ring in anything, so far
+  double deepest() const { return deepest_; }                          ///< [m] of the ring in another body, so far
   double press(Arm arm) const { return std::min(at(press_, arm)[0], at(press_, arm)[1]); }  ///< [N] of the weaker jaw
   const Pose& ring() const { return last_; }
   void forgetDepth() { deepest_ = 0.0; }
 
-  /** Ring around a tower that stands at (x, y): its axis goes through the opening, the ring is below its top. */
+  /** Whether the ring is around a tower: the tower's axis goes through the opening, and the ring is below its top. */
   bool isAround(const Vector3& foot_W, double height) const {
     const Vector3 normal = last_.R.col(2);
     if (std::abs(normal.z()) < 0.3) return false;
@@ -92,7 +93,7 @@ class RingJudge {
     }
   }
 
-  /** The sum that belongs to a jaw; null for anything else. */
+  /** A jaw's sum of forces; null for other bodies. */
   double* pressOf(int body) {
     for (const Arm arm : kArms) {
       for (std::size_t k = 0; k < 2; ++k) {

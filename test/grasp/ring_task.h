@@ -2,8 +2,8 @@
 
 #include "grasp/hands.h"
 
-// The ring task as two hands do it: pick the ring up, carry and turn it, hand it over, put it over a tower. Open loop
-// but for the eye: each reach aims at where the ring is seen. What became of it is judged elsewhere (ring_judge.h).
+// The ring task for two hands: pick the ring up, carry and rotate it, hand it over, put it over a tower. Open loop,
+// except that each reach aims at the ring's pose. ring_judge.h judges the result.
 
 namespace raven2_trainer::testing {
 
@@ -29,14 +29,14 @@ inline Vector3 outward(Bar bar) {
 /** How a bar is gripped: the jaws' hinge along the bar, the tool from the ring's upper side. */
 struct Grip {
   Bar bar{Bar::kLeft};
-  bool turned{false};    ///< jaws changed over
+  bool turned{false};    ///< jaws exchanged
   double along{0.0};     ///< [m] from the bar's middle
   double lean{0.17};     ///< [rad] of the tool about the bar, 0 = along the ring's axis, positive = leaning outward
   double reach{0.0075};  ///< [m] pivot to the bar's middle line; the jaws are 10 mm long
 };
 
-// Feasible for each arm with the joints 8 degrees or more inside their limits on the whole way (found by a search).
-// Off the bar's middle, under which the stand has its rib.
+// Feasible for each arm with the joints 8 degrees or more inside their limits on the whole path (found by a search).
+// The grip is off the bar's middle, because the ring's stand has its rib under the middle.
 inline Grip usualGrip(Arm arm) {
   Grip grip;
   grip.bar = arm == Arm::kGold ? Bar::kLeft : Bar::kRight;
@@ -57,7 +57,7 @@ inline Pose toolInRing(const Grip& grip) {
   return X_RT;
 }
 
-/** The same, drawn back along the tool. */
+/** The tool pose, drawn back along the tool's axis. */
 inline Pose drawnBack(Pose X_WT, double distance) {
   X_WT.p -= distance * X_WT.R.col(0);
   return X_WT;
@@ -70,7 +70,7 @@ inline Pose level(const Vector3& p_W, double yaw = 0.0) {
 inline const Vector3 kTower{-0.018, -0.028, 0.0};  // [m] foot of tower_near_right
 constexpr double kTowerHeight = 0.026;             // [m]
 
-/** How well a surgeon does it. */
+/** Errors and speeds of a simulated surgeon. */
 struct Skill {
   double aim_error{0.0005};               ///< [m] along each axis
   double aim_angle{0.087};                ///< [rad] about any axis
@@ -88,21 +88,21 @@ class RingTask {
       hands_.setTremor(arm, Tremor::draw(skill_.tremor, &random_));
   }
 
-  /** Reaches for the ring where it is and closes the jaws on it. */
+  /** Reaches for the ring and closes the jaws on it. */
   void grip(Arm arm) {
     const Pose X_WT = hands_.ring() * toolInRing(usualGrip(arm)) * miss();
     hands_.move(arm, {drawnBack(X_WT, 0.018), kReady}, speed());
     hands_.moveTo(arm, X_WT, skill_.slowest);
-    hands_.hold(0.2);  // the arm is behind its target by some 80 ms
+    hands_.hold(0.2);  // the arm lags behind its target by some 80 ms
     hands_.open(arm, kHeld);
     hands_.hold(0.2);
     look(arm);
   }
 
-  /** Looks how the ring lies in the tool. */
+  /** Notes the ring's pose in the tool. */
   void look(Arm arm) { at(X_TR_, arm) = hands_.wish(arm).X_WT.inverse() * hands_.ring(); }
 
-  /** Takes a held ring there. */
+  /** Carries the held ring to this pose. */
   void carry(Arm arm, const Pose& X_WR) {
     hands_.moveTo(arm, X_WR * at(X_TR_, arm).inverse(), speed());
     hands_.hold(0.2);
@@ -114,7 +114,7 @@ class RingTask {
     hands_.moveTo(arm, drawnBack(hands_.wish(arm).X_WT, 0.018), speed());
   }
 
-  /** Brings the hands to where gold's jaws hold the ring in the air. */
+  /** Picks the ring up, so that gold's jaws hold it in the air. */
   void pickUp() {
     grip(Arm::kGold);
     carry(Arm::kGold, level({0.010, 0.0, 0.045}));
@@ -134,7 +134,7 @@ class RingTask {
     look(Arm::kGreen);
   }
 
-  /** Over a tower, down around it and off. */
+  /** Moves the ring over a tower, lowers it around the tower, and releases it. */
   void putOver(const Vector3& foot) {
     carry(Arm::kGreen, level(foot + Vector3(0, 0, 0.045)));
     look(Arm::kGreen);

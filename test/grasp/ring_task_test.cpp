@@ -7,8 +7,8 @@
 #include "support/effort.h"
 #include "support/sanitizer.h"
 
-// Nothing here is glued: the ring goes where friction between jaws and bars takes it, in the shipped scene, under the
-// shipped controller. Judged by RingJudge, from contacts and poses.
+// No part is glued: only friction between jaws and bars moves the ring, in the shipped scene, under the shipped
+// controller. RingJudge judges from contacts and poses.
 
 namespace raven2_trainer::testing {
 namespace {
@@ -50,13 +50,13 @@ TEST_P(RingTaskSeeds, FromTheStandThroughTheAirHandedOverOntoATower) {
   EXPECT_GT(judge.ring().p.z(), 0.040);
   attempt.task.carryAndTurn();
   EXPECT_TRUE(judge.holdsAlone(Arm::kGold));
-  EXPECT_GT(judge.carried(Arm::kGold), 0.100) << "m between two places, held in the air by gold alone";
+  EXPECT_GT(judge.carried(Arm::kGold), 0.100) << "[m] between two places, held in the air by gold alone";
   EXPECT_GT(judge.turned(Arm::kGold), 45.0 * kPi / 180.0);
   attempt.task.handOver();
   EXPECT_GT(judge.bothSeconds(), 0.2);
   EXPECT_TRUE(judge.holdsAlone(Arm::kGreen));
-  EXPECT_EQ(judge.looseSeconds(), 0.0) << "it must not have flown in between";
-  EXPECT_LT(judge.deepest(), 5e-4) << "the stand gives way, too";
+  EXPECT_EQ(judge.looseSeconds(), 0.0) << "[s] the ring was without contact during the hand-over";
+  EXPECT_LT(judge.deepest(), 5e-4) << "[m] includes the stand's compliance";
   attempt.task.putOver(kTower);
   EXPECT_TRUE(judge.isAround(kTower, kTowerHeight));
   EXPECT_TRUE(judge.free());
@@ -107,7 +107,7 @@ int watchedTicks() {
   return kIsSanitized ? 6000 : static_cast<int>(effort(10000, 60000));
 }
 
-/** What may have moved after the watched ticks, if so much may move in a minute: the creep has the same limit. */
+/** Motion allowed in the watched ticks, from the motion allowed in a minute. */
 double creep(double in_a_minute) {
   return in_a_minute * watchedTicks() * kTickSeconds / kMinute;
 }
@@ -158,7 +158,7 @@ TEST(HeldRing, StaysInTheGripWhenCarriedFast) {
   const Pose X_WT = attempt.hands.wish(Arm::kGold).X_WT;
   const Pose before = attempt.ringInTool(Arm::kGold);
   attempt.judge.forgetDepth();
-  const auto strokes = static_cast<int>(effort(12, 30));  // six are all goals
+  const auto strokes = static_cast<int>(effort(12, 30));  // six strokes reach all goals
   for (int stroke = 0; stroke < strokes; ++stroke) {
     Pose goal = X_WT;
     goal.p += Vector3(stroke % 2 == 0 ? -0.030 : 0.0, stroke % 3 == 0 ? 0.020 : -0.005, stroke % 2 == 0 ? 0.02 : 0.0);
@@ -168,7 +168,7 @@ TEST(HeldRing, StaysInTheGripWhenCarriedFast) {
   attempt.hands.moveTo(Arm::kGold, X_WT, 0.2);
   attempt.hands.hold(0.5);
   const Pose moved = before.inverse() * attempt.ringInTool(Arm::kGold);
-  EXPECT_LT(moved.p.norm(), 5e-4) << "of the ring's middle, 9 mm from the grip";
+  EXPECT_LT(moved.p.norm(), 5e-4) << "[m] of the ring's middle, 9 mm from the grip";
   EXPECT_LT(attempt.judge.deepest(), 3e-4);
   std::printf("  shifted %.0f um and %.2f deg in %d strokes\n", 1e6 * moved.p.norm(),
               Eigen::AngleAxisd(moved.R).angle() * 180.0 / kPi, strokes);
@@ -182,7 +182,7 @@ struct Start {
 class RestingRing : public ::testing::TestWithParam<Start> {};
 
 TEST_P(RestingRing, NeitherCreepsNorSinksInAMinute) {
-  // GIVEN the ring let go there, two seconds to settle; bodies never sleep in this world
+  // GIVEN the ring released there, with two seconds to settle; bodies never sleep in this world
   Hands hands(trainerConfig(), &GetParam().X_WR);
   RingJudge judge(hands);
   hands.setObserver([&](const Hands& h) { judge.observe(h); });

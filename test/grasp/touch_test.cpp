@@ -6,7 +6,7 @@
 #include "grasp/hands.h"
 #include "support/effort.h"
 
-// A tool runs into what stands in the shipped scenes, under the shipped controller. The command stops 1 mm behind the
+// A tool runs into parts of the shipped scenes, under the shipped controller. The command stops 1 mm behind the
 // surface.
 
 namespace raven2_trainer::testing {
@@ -19,12 +19,12 @@ constexpr double kFast = 0.100;        // [m/s]
 constexpr double kSlowestPeak = 5.0;   // [N]
 constexpr double kFastestPeak = 40.0;  // [N]
 
-/** Gold's tool, its jaws shut, on its way to something. The jaws end 10 mm beyond the tool's point. */
+/** Approach of gold's tool, with closed jaws, to a body. The jaws end 10 mm beyond the tool's point. */
 struct Approach {
   const char* name;
   Vector3 start;  // [m] of the tool's point, in W
   Vector3 along;
-  const char* body;  // that is touched
+  const char* body;  // that the tool touches
 };
 
 std::ostream& operator<<(std::ostream& out, const Approach& approach) {
@@ -68,14 +68,14 @@ class Contacts {
 };
 
 struct Touch {
-  double at{-1.0};        ///< [m] from the start to the first contact, of the tool; negative: nothing was touched
+  double at{-1.0};        ///< [m] the tool's path from the start to the first contact; negative: no contact
   double peak{0.0};       ///< [N] soon after the first contact
   double sustained{0.0};  ///< [N] a second after the command's end
-  bool met{false};        ///< what was expected
-  bool broke{false};      ///< a tower off its foot
+  bool met{false};        ///< the first contact was with the expected body
+  bool broke{false};      ///< a tower broke off its foot
 };
 
-/** Drives the tool to the start of the approach, with nothing else in its way. */
+/** Moves the tool to the start of the approach, on a free path. */
 void begin(const Approach& approach, Hands* hands) {
   Wish wish = hands->wish(Arm::kGold);
   wish.opening = 0.0;
@@ -86,7 +86,7 @@ void begin(const Approach& approach, Hands* hands) {
   hands->hold(0.5);
 }
 
-/** @param[in] reach [m] that the command goes */
+/** @param[in] reach [m] length of the commanded motion. */
 Touch touch(const TrainerConfig& config, const Approach& approach, double speed, double reach) {
   const Pose out_of_the_way = {Matrix3::Identity(), Vector3(-0.05, 0.0, 0.03)};
   Hands hands(config, &out_of_the_way);
@@ -117,7 +117,7 @@ Touch touch(const TrainerConfig& config, const Approach& approach, double speed,
   return result;
 }
 
-/** [m] to the surface, found slowly. */
+/** [m] to the surface, measured at low speed. */
 double distance(const TrainerConfig& config, const Approach& approach) {
   return touch(config, approach, 0.010, 0.040).at;
 }
@@ -138,13 +138,13 @@ TEST_P(ToolRunsInto, WithThePlausibleForceOfPlasticAndABendingShaft) {
   EXPECT_TRUE(slow.met && fast.met);
   EXPECT_LT(slow.peak, kSlowestPeak);
   EXPECT_LT(fast.peak, kFastestPeak);
-  EXPECT_GT(slow.peak, 0.5) << "it is felt, too";
+  EXPECT_GT(slow.peak, 0.5) << "[N] too weak to be felt";
   std::printf("  %-22s 15 mm/s: peak %4.1f N, then %4.1f N; 100 mm/s: peak %4.1f N, then %4.1f N\n", GetParam().name,
               slow.peak, slow.sustained, fast.peak, fast.sustained);
 }
 
 TEST_P(ToolRunsInto, WithTheSameForceAtHalfTheStep) {
-  // GIVEN the surface found once: where it is must not depend on the step either
+  // GIVEN the surface found once: its place must not depend on the step either
   const double reach = distance(trainerConfig(), GetParam()) + kBehind;
   const Touch whole = touch(withSteps(1), GetParam(), kFast, reach),
               half = touch(withSteps(2), GetParam(), kFast, reach);

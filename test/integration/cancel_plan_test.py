@@ -1,7 +1,7 @@
 #!/usr/bin/python3
-"""A plan that takes long is cancelled over the service: answered within 100 ms, whatever the planner is at.
+"""Cancels a long plan over the service. The answer comes within 100 ms, whatever the planner is doing.
 
-The daemon is the test's own, with a configuration of its own and no robot.
+The test starts its own daemon, with a changed configuration and without a robot.
 """
 import os
 import sys
@@ -17,14 +17,14 @@ sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..
 from stack import Stack  # noqa: E402
 
 LIMIT = 0.1  # s
-AFTER = (0.05, 0.3, 1.0)  # s that the planner was at work
-# So many neighbours within the radius that the search takes much longer than the longest wait below.
+AFTER = (0.05, 0.3, 1.0)  # s of planning before the cancellation
+# With so many neighbours within the radius, the search takes much longer than the longest wait in AFTER.
 PATIENT = {"samples": 100000, "max_samples": 100000, "radius_multiplier": 10.0, "time_limit": 600.0}
 
 
 class CancelPlan(unittest.TestCase):
     def ask(self):
-        """Asks in a thread of its own. @return (thread, [] for the answer and its time)."""
+        """Asks for a plan in a new thread. @return (thread, list that receives the answer and its time)."""
         answers = []
         thread = threading.Thread(target=lambda: answers.append(
             (self.daemon.plan(arm="gold", default_goal=True, goal=[0, 0, 0], joints=[]), time.monotonic())), daemon=True)
@@ -33,16 +33,16 @@ class CancelPlan(unittest.TestCase):
         return thread, answers
 
     def cancel(self, after):
-        """@return s to the answer, s to that of whoever waited for the plan, whether the planner had ended by the first."""
+        """@return s to the answer of cancel_plan, s to that of plan, whether the planner had ended by the first."""
         thread, answers = self.ask()
         time.sleep(after)
-        self.assertEqual(answers, [], "it was there before it was cancelled: nothing is shown")
+        self.assertEqual(answers, [], "the plan was answered before the cancellation: the test shows nothing")
         begin = time.monotonic()
         answer = self.daemon.cancel_plan()
         taken = time.monotonic() - begin
         self.assertEqual((answer.success, answer.error_code, answer.was), (True, SUCCESS, "planning"))
         self.daemon.await_status("idle")
-        thread.join(30)  # the planner's thread comes after all others: on a busy computer it takes its time to end
+        thread.join(30)  # the planner's thread has a low priority: on a busy computer it ends late
         has_ended = answer.status == "accepted"
         plan, came = answers[0]
         self.assertEqual((plan.success, plan.status, plan.error_code), (False, "cancelled", PREEMPTED))

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""console_view on an X display in memory: the picture of a topic is what the window shows, pixel for pixel."""
+"""console_view on an X display in memory: the window shows the topic's picture, pixel for pixel."""
 import os
 import shutil
 import signal
@@ -87,7 +87,7 @@ class ConsoleView(unittest.TestCase):
             self.assertTrue(self.await_picture(screen, fields(shift)), f"picture {shift}")
         rest = screen.pixels().copy()
         rest[:HEIGHT, :WIDTH] = 0
-        self.assertEqual(rest.max(), 0, "nothing beside the window")
+        self.assertEqual(rest.max(), 0, "nothing is drawn outside the window")
         program.send_signal(signal.SIGTERM)
         self.assertEqual(program.wait(timeout=5), 0)
 

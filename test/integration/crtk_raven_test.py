@@ -15,7 +15,7 @@ RATE = 200  # Hz
 
 
 def turned(name, v):
-    """From the arm's base to the branch's frame: T_crtk_in_r0 of its crtk_motion_api.cpp."""
+    """The vector, from the arm's base to the branch's frame: T_crtk_in_r0 of the branch's crtk_motion_api.cpp."""
     x, y, z = v
     return (-y, -z, x) if name == "arm1" else (y, z, x)
 
@@ -38,7 +38,7 @@ class CrtkRaven(unittest.TestCase):
                  "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState, "/grasp1/servo_jv": JointState,
                  "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
         cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100, latch=True) for topic, kind in kinds.items()}
-        cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # its first line; stored until it is connected
+        cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # the client's first line; latched
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
         until(lambda: cls.states[-1].state == "ENABLED", 5, "resumed")
         rospy.sleep(1.0)
@@ -69,7 +69,7 @@ class CrtkRaven(unittest.TestCase):
 
     def test_2_a_pose_that_was_told_can_be_asked_for(self):
         goal = self.next("/arm1/measured_cp", TransformStamped)
-        goal.header = Header()  # its stamp becomes too old
+        goal.header = Header()  # with its stamp it would soon be too old
         goal.transform.translation.z -= 2e-3
         self.stream("/arm1/servo_cp", goal, 50)
         now = self.next("/arm1/measured_cp", TransformStamped)
@@ -98,8 +98,8 @@ class CrtkRaven(unittest.TestCase):
         by = 0.5 if start < 0.7 else -0.5
         self.say["/grasp1/move_jp"].publish(JointState(position=[start + by]))  # 0.5 rad at 0.5 rad/s: 1.9 s
         self.stream("/arm1/servo_jr", JointState(position=[-0.0005] + [0.0] * 14), 100)
-        until(lambda: abs(at("/grasp1/setpoint_js") - start - by) < 2e-3, 5, "the set point there")
-        until(lambda: abs(at("/grasp1/measured_js") - measured - by) < 0.02, 5, "the jaws there")
+        until(lambda: abs(at("/grasp1/setpoint_js") - start - by) < 2e-3, 5, "the set point at the goal")
+        until(lambda: abs(at("/grasp1/measured_js") - measured - by) < 0.02, 5, "the jaws at the goal")
         self.assertAlmostEqual(at("/arm1/measured_js") - shoulder, -0.05, delta=5e-3)
 
     def test_5_one_number_is_the_shoulder_and_rates_are_seven(self):
@@ -123,7 +123,7 @@ class CrtkRaven(unittest.TestCase):
         until(lambda: self.states[-1].state == "PAUSED" and self.states[-1].is_homed, 5, "homed, its pedal up")
         self.say["/arm1/state_command"].publish(StringStamped(string="resume"))
         until(lambda: self.states[-1].state == "ENABLED", 5, "resumed")
-        self.say["/arm1/state_command"].publish(StringStamped(string="pause"))  # its destructor
+        self.say["/arm1/state_command"].publish(StringStamped(string="pause"))  # the client's destructor
         until(lambda: self.states[-1].state == "PAUSED", 5, "paused")
 
 

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
 """A CRTK client against daemon and virtual Raven, without a console.
 
-Written from CRTK's own documents (collaborative-robotics.github.io, crtk_msgs 1.3.0) alone: nothing of the package is
-imported, and the messages of crtk_msgs, which is not in Debian, are made from their published text (test/support).
+Written from CRTK's own documents (collaborative-robotics.github.io, crtk_msgs 1.3.0) alone: the test imports nothing of
+the package. Debian has no crtk_msgs, so its messages are made from their published text (test/support).
 """
 import math
 import os
@@ -34,10 +34,10 @@ from crtk_messages import (  # noqa: E402
 
 ARMS = ("arm1", "arm2")
 RATE = 200  # Hz, of CRTK's example clients
-SETTLE = 12  # s at the longest; doc/crtk.md has 6: until the integral of a Raven's tool joints broke their dry friction
+SETTLE = 12  # s at most; doc/crtk.md has 6: until the integral of a Raven's tool joints overcomes their dry friction
 NEAR, NEAR_TURN = 0.5e-3, math.radians(0.2)  # m, rad: measured from set point, at rest
 STILL, STILL_TURN = 0.1e-3, math.radians(0.1)  # m, rad
-SAME = 1e-5  # m: a set point that stands
+SAME = 1e-5  # m: the set point is still
 
 
 def until(condition, seconds, words):
@@ -93,7 +93,7 @@ def smooth(share):
 
 
 class Topic:
-    """Messages of a topic, the newest 20,000. Python takes but some thousand a second: not of all topics at once."""
+    """The newest 20,000 messages of a topic. Python receives only some thousand a second: not all topics at once."""
 
     def __init__(self, name, kind):
         self.messages = []
@@ -192,23 +192,23 @@ class Crtk(unittest.TestCase):
         cls.diagnostics = Topic("/diagnostics", DiagnosticArray)
 
     def settle(self):
-        """Until both arms stand at their set points, but SETTLE at the longest. Whether they do is for others to assert."""
+        """Waits until both arms rest at their set points, at most SETTLE. The caller asserts whether they do."""
         last = [arm.pose() for arm in self.arms]
 
         def is_near(arm, i):
             time.sleep(0.05)  # each look connects to three topics
             before, last[i] = last[i], arm.pose()
-            found = arm.pose("measured_cp")  # nearer than it must be: a look later is as good
+            found = arm.pose("measured_cp")  # held to 0.9 of the limits, so that a later look passes as well
             return (distance(before, last[i]) < SAME and distance(last[i], found) < 0.9 * NEAR
                     and turn(last[i], found) < 0.9 * NEAR_TURN)
 
-        # held: what comes to rest may swing through the set point, and tool joints stick before they slip
+        # with hold: an arm may swing through the set point, and tool joints stick before they slip
         begin = time.monotonic()
         within(lambda: all([is_near(arm, i) for i, arm in enumerate(self.arms)]), SETTLE, hold=0.8)
         print(f"settled after {time.monotonic() - begin:.1f} s")
 
     def await_still(self):
-        """Until neither arm moves, but SETTLE at the longest."""
+        """Waits until neither arm moves, at most SETTLE."""
         last = [arm.pose("measured_cp") for arm in self.arms]
 
         def is_still(arm, i):
@@ -223,7 +223,7 @@ class Crtk(unittest.TestCase):
 
     @staticmethod
     def stream(seconds, send):
-        """send(share) for each arm's goals, 200 times a second, smoothly from 0 to 1."""
+        """Calls send(share) 200 times a second, with a share that goes smoothly from 0 to 1."""
         rate = rospy.Rate(RATE)
         steps = int(seconds * RATE)
         for i in range(steps + 1):
@@ -231,7 +231,7 @@ class Crtk(unittest.TestCase):
             rate.sleep()
 
     def stream_joints(self, goals, topic="servo_jp", seconds=1.0):
-        """Both arms from their set points to the goals."""
+        """Streams both arms from their set points to the goals."""
         source = "setpoint_js" if topic == "servo_jp" else "jaw/setpoint_js"
         starts = [arm.position(source) for arm in self.arms]
 
@@ -242,7 +242,7 @@ class Crtk(unittest.TestCase):
         self.stream(seconds, send)
 
     def stream_poses(self, goals, seconds=1.0):
-        """The same for the tips, without a turn."""
+        """Streams both tips to the goals, without rotation."""
         starts = [arm.pose() for arm in self.arms]
 
         def send(share):
@@ -253,7 +253,7 @@ class Crtk(unittest.TestCase):
         self.stream(seconds, send)
 
     def check_settled(self, what):
-        """Measured is where the set point is, in joints and as a pose."""
+        """The measured pose is at the set point. Prints the joints' differences as well."""
         for arm in self.arms:
             wanted, found = arm.pose(), arm.pose("measured_cp")
             off, off_turn = distance(wanted, found), turn(wanted, found)
@@ -264,7 +264,7 @@ class Crtk(unittest.TestCase):
             self.assertLess(off_turn, NEAR_TURN, f"{what}, {arm.name}")
 
     def assert_stands(self, seconds, act):
-        """act() and that long after it neither arm has moved."""
+        """Calls act(). That many seconds later, neither arm has moved."""
         before = [arm.pose("measured_cp") for arm in self.arms]
         act()
         time.sleep(seconds)
@@ -308,7 +308,7 @@ class Crtk(unittest.TestCase):
             until(lambda: arm.state.state == "ENABLED" and arm.state.is_homed and not arm.state.is_busy, 40,
                   f"{arm.name} enabled and homed: {arm.state}")
         count = self.arms[0].count("warning")
-        self.arms[0].command("home")  # a Raven homes when it is started
+        self.arms[0].command("home")  # no effect: a Raven homes when it is started
         self.settle()
         self.assertEqual(self.arms[0].count("warning"), count)
         self.assertTrue(self.arms[0].state.is_homed)
@@ -330,7 +330,7 @@ class Crtk(unittest.TestCase):
         common = {name: {stamp for stamp in s if begin <= stamp <= end} for name, s in stamps.items()}
         self.assertGreater(len(common["measured_js"]), 100)
         for name, of_topic in common.items():
-            shared = len(of_topic & common["measured_js"])  # but for what this process is too slow for
+            shared = len(of_topic & common["measured_js"])  # without the messages that this process was too slow for
             self.assertGreater(shared, 0.9 * len(common["measured_js"]), name)
         age = (rospy.Time.now() - arm.next("measured_js").header.stamp).to_sec()
         self.assertLess(abs(age), 0.5, "stamps are the time of the tick")
@@ -341,14 +341,14 @@ class Crtk(unittest.TestCase):
         topic.close()
         headers = [message.header for message in topic.messages]
         seconds = (headers[-1].stamp - headers[0].stamp).to_sec()
-        # roscpp numbers what it publishes: what this process is too slow for counts, too
+        # roscpp numbers its messages, so those that this process is too slow for are counted as well
         published, taken = (headers[-1].seq - headers[0].seq) / seconds, len(headers) / seconds
         gaps = [(b.stamp - a.stamp).to_sec() for a, b in zip(headers, headers[1:]) if b.seq == a.seq + 1]
         print(f"measured_js: {published:.1f} Hz published, {taken:.1f} Hz received by Python, "
               f"stamps {1e3 * statistics.median(gaps):.3f} ms apart, {1e3 * max(gaps):.1f} ms at most")
         self.assertGreater(seconds, 4.0)
         self.assertGreater(len(gaps), 1000)
-        self.assertGreater(min(gaps), 0.0, "no tick is told twice")
+        self.assertGreater(min(gaps), 0.0, "each tick is published once")
         self.assertLess(statistics.median(gaps), 2.05e-3)
         self.assertGreaterEqual(published, 490)
         self.assertLess(published, 550)
@@ -362,18 +362,18 @@ class Crtk(unittest.TestCase):
                                    None), 5, f"{base} on /tf_static")
             world = arm.pose("measured_cp")
             expected = [a + b for a, b in zip(rotate(X.rotation, vector(local.pose.position)), vector(X.translation))]
-            self.assertLess(math.dist(expected, vector(world.pose.position)), 2e-4, "it stands, but for the robot's own noise")
+            self.assertLess(math.dist(expected, vector(world.pose.position)), 2e-4, "at rest, up to the robot's noise")
 
     def test_07_a_stream_in_joint_space_moves_both_arms(self):
         starts = [arm.position() for arm in self.arms]
-        away = ((0.15, 0.1, 0.02, 0.3, 0.2, 0.2), (-0.1, 0.15, 0.03, -0.3, -0.2, 0.1))  # each arm otherwise
+        away = ((0.15, 0.1, 0.02, 0.3, 0.2, 0.2), (-0.1, 0.15, 0.03, -0.3, -0.2, 0.1))  # each arm differently
         self.stream_joints_to([[a + b for a, b in zip(start, by)] for start, by in zip(starts, away)])
         self.settle()
         self.check_settled(f"joints by {away}")
         self.stream_joints_to(starts)
 
     def stream_joints_to(self, goals):
-        """And checks the set points."""
+        """Streams joints and checks the set points."""
         self.stream_joints(goals)
         for arm, goal in zip(self.arms, goals):
             until(lambda: all(abs(a - b) < 2e-4 for a, b in zip(arm.position(), goal)), 5,
@@ -381,13 +381,13 @@ class Crtk(unittest.TestCase):
 
     def test_08_a_stream_of_poses_moves_both_tips(self):
         type(self).starts = starts = [arm.pose() for arm in self.arms]
-        away = ((0.015, 0.01, -0.01), (-0.01, 0.01, 0.005))  # each arm otherwise
+        away = ((0.015, 0.01, -0.01), (-0.01, 0.01, 0.005))  # each arm differently
         self.stream_poses_to([moved(start, by) for start, by in zip(starts, away)])
         self.settle()
         self.check_settled(f"poses by {away}")
 
     def stream_poses_to(self, goals):
-        """And checks the set points."""
+        """Streams poses and checks the set points."""
         self.stream_poses(goals)
         for arm, goal in zip(self.arms, goals):
             until(lambda: distance(arm.pose(), goal) < 5e-5, 5, f"{arm.name}: the set point is where it was asked to be")
@@ -413,13 +413,13 @@ class Crtk(unittest.TestCase):
             rate.sleep()
         arm.say("servo_cv", TwistStamped())
         self.settle()
-        self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5e-3, delta=1.5e-3)  # half a second of it
+        self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5e-3, delta=1.5e-3)  # 0.5 s of it
         self.check_settled("a twist")
-        self.stream_poses_to(self.starts)  # of test 08, both ways along each axis
+        self.stream_poses_to(self.starts)  # those of test 08, back along each axis
 
     def test_10_a_move_is_busy_until_it_is_there(self):
         arm, other = self.arms
-        goal = moved(arm.pose(), (0.0, 0.0, 0.03))  # farther than a servo command may lead
+        goal = moved(arm.pose(), (0.0, 0.0, 0.03))  # farther than a servo command may go
         count = arm.count("operating_state")
         arm.say("move_cp", goal)
         until(lambda: any(m.is_busy for m in arm["operating_state"].messages[count:]), 2, "is_busy")
@@ -429,20 +429,20 @@ class Crtk(unittest.TestCase):
         self.assertFalse(other.state.is_busy)
         self.settle()
         self.check_settled("move_cp")
-        # WHEN it is held on its way back
+        # WHEN the arm is held during the move back
         start = moved(goal, (0.0, 0.0, -0.03))
         arm.say("move_cp", start)
-        until(lambda: distance(arm.pose(), goal) > 0.01, 5, "a third of the way")
+        until(lambda: distance(arm.pose(), goal) > 0.01, 5, "a third of the move")
         arm.say("hold", Empty())
         until(lambda: not arm.state.is_busy, 2, "not busy any more")
-        time.sleep(1.0)  # longer than the rest of the way
-        self.assertGreater(distance(arm.pose(), start), 0.005, "it did not go on")
+        time.sleep(1.0)  # longer than the rest of the move would take
+        self.assertGreater(distance(arm.pose(), start), 0.005, "the move went on after hold")
         arm.joints("move_jp", arm.position())
         arm.say("move_cp", start)
-        until(lambda: distance(arm.pose(), start) < 5e-5, 10, "there after all")
+        until(lambda: distance(arm.pose(), start) < 5e-5, 10, "back at the start")
 
     def test_11_the_jaws_open_and_close(self):
-        # a Raven keeps the opening that it wanted before it homed, up to 45 degrees off, until it meets its bound
+        # a Raven keeps the jaw opening wanted before homing, up to 45 degrees off, until that opening meets its bound
         self.stream_joints([[-0.174], [-0.174]], "jaw/servo_jp")
         for opening in (0.4, 1.2):
             self.stream_joints([[opening], [opening]], "jaw/servo_jp")
@@ -455,7 +455,7 @@ class Crtk(unittest.TestCase):
                 self.assertAlmostEqual(found, wanted, delta=math.radians(0.5))
 
     def check_refused(self, arm, topic, message, words):
-        arm.say("hold", Empty())  # what is not understood is no command: after release_after the pedal would go up
+        arm.say("hold", Empty())  # a refused message is no command: after release_after the pedal would go up
         time.sleep(0.1)
         count = arm.count("warning")
         self.assert_stands(0.3, lambda: arm.say(topic, message))
@@ -465,7 +465,7 @@ class Crtk(unittest.TestCase):
             self.assertIn(word, said)
 
     def test_12_what_makes_no_sense_is_refused_in_words_and_moves_nothing(self):
-        time.sleep(3.0)  # tool joints that creep stand in between
+        time.sleep(3.0)  # creeping tool joints pause between steps, which await_still() takes for rest
         self.await_still()
         arm = self.arms[1]
         here, joints = arm.pose(), arm.position()
@@ -484,8 +484,8 @@ class Crtk(unittest.TestCase):
                 ("servo_jr", JointState(position=[float("nan")] * 6), ("finite",)),
                 ("move_jp", JointState(position=[math.degrees(q) for q in joints]), ("rad", "radians")),
                 ("state_command", StringStamped(string="go"), ("go", "enable")),
-                ("servo_cp", late, ("stamped", "0.5 s"))):  # a sentence about a topic is said once a second: not after its like
-            try:  # rosunit counts what fails in a subTest but does not tell it
+                ("servo_cp", late, ("stamped", "0.5 s"))):  # last: a topic repeats a warning once a second at most
+            try:  # rosunit counts the failures in a subTest but does not print them
                 self.check_refused(arm, topic, message, words)
             except AssertionError as error:
                 faults.append(f"{topic} {words}: {error}")
@@ -500,8 +500,8 @@ class Crtk(unittest.TestCase):
         def is_at(opening):
             return abs(arm.position("jaw/setpoint_js")[0] - opening) < 2e-3
 
-        latching.publish(JointState(position=[-0.1]))  # before it is connected: it comes new
-        self.assertTrue(within(lambda: is_at(start - 0.1), 5), "what a new client asks for is done")
+        latching.publish(JointState(position=[-0.1]))  # before it is connected: the daemon has not had it
+        self.assertTrue(within(lambda: is_at(start - 0.1), 5), "a new client's latched command is executed")
         count = arm.count("warning")
         for connection in list(latching.impl.connections):
             connection.close()
@@ -509,16 +509,16 @@ class Crtk(unittest.TestCase):
         self.assertIn("jaw/servo_jr", said)
         self.assertIn(rospy.get_name(), said)
         time.sleep(0.5)
-        self.assertTrue(is_at(start - 0.1), "what it stored is not done again")
+        self.assertTrue(is_at(start - 0.1), "the latched command is not executed again")
         latching.publish(JointState(position=[0.1]))
-        self.assertTrue(within(lambda: is_at(start), 5), "what it says then is done")
+        self.assertTrue(within(lambda: is_at(start), 5), "the client's next command is executed")
         latching.unregister()
 
     def test_14_paused_it_refuses_to_move_and_resumed_it_moves(self):
         self.arms[1].command("pause")
         for arm in self.arms:
             arm.await_state("PAUSED")
-        self.await_still()  # the brakes
+        self.await_still()  # until the brakes hold
         count = self.arms[0].count("warning")
         froms = [arm.position() for arm in self.arms]
 
@@ -531,7 +531,7 @@ class Crtk(unittest.TestCase):
 
         self.assert_stands(0.5, ask)
         self.assertIn("resume", self.arms[0]["warning"].since(count, "PAUSED"))
-        self.assertLess(self.arms[0].count("warning") - count, 10, "a stream is not answered by a stream")
+        self.assertLess(self.arms[0].count("warning") - count, 10, "a stream of commands causes few warnings")
         self.arms[0].command("resume")
         for arm in self.arms:
             arm.await_state("ENABLED")
@@ -557,7 +557,7 @@ class Crtk(unittest.TestCase):
         self.assertGreater(numbers["refused"], 100)
 
     def test_15a_a_dvrk_client_finds_all_that_it_connects_to(self):
-        """As dvrk_python's arm and psm: topics, services and queues of crtk_python_client's utils, then check_connections."""
+        """As dvrk_python's arm and psm: topics, services, queues of crtk_python_client's utils; check_connections."""
         name = ARMS[0]
         said = {"state_command": StringStamped, "hold": Empty, "free": Empty, "servo_jp": JointState, "servo_jr": JointState,
                 "servo_cp": PoseStamped, "servo_jf": JointState, "servo_jv": JointState, "servo_cf": WrenchStamped,
@@ -579,7 +579,7 @@ class Crtk(unittest.TestCase):
                                         queue_size=10) for topic, kind in heard.items()]
         until(lambda: all(p.get_num_connections() > 0 for p in [*publishers.values(), *subscribers]), 5,
               f"not connected: {[t for t, p in publishers.items() if not p.get_num_connections()]}")
-        until(lambda: set(newest) == set(heard), 5, "a message of each")
+        until(lambda: set(newest) == set(heard), 5, "a message on each topic")
         arm = self.arms[0]
         arm.command("enable")
         arm.await_state("ENABLED")
@@ -600,13 +600,13 @@ class Crtk(unittest.TestCase):
         self.assertLess(math.dist(vector(local.cp.position), vector(arm.pose("local/measured_cp").pose.position)), 2e-4)
 
         publishers["trajectory_j/set_ratio"].publish(Float64(data=0.5))
-        until(lambda: newest["trajectory_j/ratio"].data == 0.5, 5, "the ratio told")
+        until(lambda: newest["trajectory_j/ratio"].data == 0.5, 5, "the new ratio published")
         publishers["trajectory_j/set_ratio"].publish(Float64(data=1.0))
-        until(lambda: newest["trajectory_j/ratio"].data == 1.0, 5, "the ratio told again")
+        until(lambda: newest["trajectory_j/ratio"].data == 1.0, 5, "the old ratio published")
         start = arm.position()
         publishers["move_jr"].publish(JointState(position=[0.05, 0.0, 0.0, 0.0, 0.0, 0.0]))
         until(lambda: newest["operating_state"].is_busy, 2, "busy")
-        until(lambda: not newest["operating_state"].is_busy, 5, "there")
+        until(lambda: not newest["operating_state"].is_busy, 5, "the move done")
         self.assertAlmostEqual(arm.position()[0] - start[0], 0.05, delta=1e-3)
         for topic, message, words in (("servo_jf", JointState(effort=[0.0] * 6), "positions"),
                                       ("body/servo_cf", WrenchStamped(), "positions"),
@@ -622,7 +622,7 @@ class Crtk(unittest.TestCase):
             subscriber.unregister()
 
     def test_15b_one_twist_goes_on_as_the_reference_example_wants_it(self):
-        """crtk_servo_cv_example.py: one twist of 1 mm/s along x, 10 s of sleep (here 3), one of nothing."""
+        """crtk_servo_cv_example.py: one twist of 1 mm/s along x, 10 s of sleep (here 3), one twist of zero."""
         arm = self.arms[0]
         timeout = rospy.wait_for_message(f"{arm.name}/twist_timeout", Float64, 5).data
         self.assertGreater(timeout, 10.5, "longer than the example sleeps")
@@ -638,14 +638,14 @@ class Crtk(unittest.TestCase):
         rospy.sleep(0.2)
         way = arm.pose().pose.position.x - start.pose.position.x
         print(f"one twist of 1 mm/s for 3 s: {1e3 * way:.2f} mm")
-        client.unregister()  # first of all: the next test counts who is left
+        client.unregister()  # before any assertion: the next test needs to be the only client
         said = [m.string for m in arm["warning"].messages[count:]]
         self.assertAlmostEqual(way, 3e-3, delta=1.5e-4, msg=f"warnings: {said}")
         self.assertEqual(said, [])
 
     def test_15c_a_twist_ends_with_its_client(self):
         arm = self.arms[0]
-        for connection in arm.publishers_of("servo_cv"):  # who else could say it
+        for connection in arm.publishers_of("servo_cv"):  # the other publisher of servo_cv
             connection.unregister()
         client = rospy.Publisher(f"{arm.name}/servo_cv", TwistStamped, queue_size=10)
         until(lambda: client.get_num_connections() > 0, 5, "the daemon")
@@ -657,7 +657,7 @@ class Crtk(unittest.TestCase):
         time.sleep(1.0)
         before = arm.pose()
         time.sleep(0.5)
-        self.assertLess(distance(before, arm.pose()), SAME, "it stands long before its time-out")
+        self.assertLess(distance(before, arm.pose()), SAME, "the arm stops long before the twist's time-out")
         arm.command("disable")
         arm.await_state("DISABLED")
 
@@ -679,7 +679,7 @@ class Crtk(unittest.TestCase):
         for arm in self.arms:
             arm.await_state("DISABLED")
         states = [m for m in self.arms[0]["operating_state"].messages[count:] if m.state == "ENABLED"]
-        begin, end = states[0].header.stamp + rospy.Duration(0.2), states[-1].header.stamp  # its brakes are off by then
+        begin, end = states[0].header.stamp + rospy.Duration(0.2), states[-1].header.stamp  # the brakes are off by then
         for name, near in (("setpoint_cp", 2e-4), ("measured_cp", 1.5e-3)):
             way = [vector(m.pose.position) for m in topics[name].messages if begin <= m.header.stamp <= end]
             x, y, z = (max(p[i] for p in way) - min(p[i] for p in way) for i in range(3))
@@ -710,7 +710,7 @@ class Crtk(unittest.TestCase):
         self.assertAlmostEqual(model.pose.position.z - start.pose.position.z, 0.004, delta=2e-4)
         measured.close()
         last = measured.newest
-        self.assertLess(math.dist(vector(last.pose.position), vector(start.pose.position)), 2e-3, "the robot's to the last")
+        self.assertLess(math.dist(vector(last.pose.position), vector(start.pose.position)), 2e-3, "the robot's pose")
         self.assertLess(last.header.stamp.to_sec(), killed + 0.1, "the stamp of the last state")
         with self.assertRaises(rospy.ROSException):
             rospy.wait_for_message(f"{arm.name}/measured_cp", PoseStamped, 0.5)

@@ -15,7 +15,7 @@ from robot_frames import connect
 from trajectory_msgs.msg import JointTrajectory
 
 MASTER_PORT, STATE_PORT = 27170, 27173
-AWAY = (0.12, 0.08, 0.015, 0.3, 0.2, 0.0, 0.0)  # from home, out of the scene's way
+AWAY = (0.12, 0.08, 0.015, 0.3, 0.2, 0.0, 0.0)  # from home, clear of the scene
 RELEASES = 3
 
 
@@ -63,7 +63,7 @@ class Execute(unittest.TestCase):
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN), "the robot did not engage")
 
     def assert_at(self, source, joints, what):
-        """The first six within what settle_tolerance (1.5 mm) leaves to them; the tool's own joints turn it on the spot."""
+        """Compares the first five joints, within settle_tolerance (1.5 mm). The tool's own joints only rotate it."""
         for here, there, limit in zip(self.daemon.joints(source), joints, (0.015, 0.015, 0.0015, 0.05, 0.05)):
             self.assertAlmostEqual(here, there, delta=limit, msg=what)
 
@@ -84,7 +84,7 @@ class Execute(unittest.TestCase):
         self.assertEqual((report.end, report.error_code), ("finished", SUCCESS))
         self.assertEqual((report.plan, report.arm, report.on_robot), (plan.plan, "gold", True))
         self.assertEqual(report.contact_ticks, 0)
-        self.assertGreater(report.robot_error_largest, 0.0, "the robot's tip was looked at")
+        self.assertGreater(report.robot_error_largest, 0.0, "the report covers the robot's tip")
         time.sleep(0.2)
         self.assert_at(self.daemon.robot, self.away, "the robot is not at the goal")
         self.assert_at(self.daemon.model, self.away, "the model is not at the goal")
@@ -92,13 +92,13 @@ class Execute(unittest.TestCase):
         self.assertIn("executing", statuses)
         shares = [m.progress for m in self.daemon.progress.messages if m.status == "executing"]
         self.assertEqual(shares, sorted(shares))
-        self.assertGreaterEqual(len(shares), 4, "it is told ten times a second")
+        self.assertGreaterEqual(len(shares), 4, "progress is published ten times a second")
 
     def test_2_the_released_pedal_stops_model_and_robot_within_20_ms(self):
         stops_of(self, lambda k: self.release_at(0.3 + 0.2 * k), RELEASES, "execute")
 
     def release_at(self, share):
-        """The pedal goes up on the way, in motion, this share of it done by the shoulder. @return as of stops_of()."""
+        """Releases the pedal in motion, after this share of the shoulder's path. @return as for stops_of()."""
         start = self.daemon.joints(self.daemon.robot)
         goal = max((self.home, self.away), key=lambda joints: abs(joints[0] - start[0]))
         _, number = self.arm(goal)
@@ -144,7 +144,7 @@ class Execute(unittest.TestCase):
         self.assertTrue(self.daemon.planning_mode(command="begin", arm="gold").success)
         self.assertTrue(self.daemon.planning_mode(command="end").success)
         self.daemon.await_status("idle")
-        self.assert_at(self.daemon.model, held, "the model is back")
+        self.assert_at(self.daemon.model, held, "the model is not back")
         refused = self.daemon.execute_plan(on_robot=True)
         self.assertEqual((refused.success, refused.status, refused.error_code), (False, "no_plan", -2))
 
@@ -163,7 +163,7 @@ class Execute(unittest.TestCase):
         self.assertIn("executing", [m.progress.status for m in told])
         errors = [m.robot_error for m in told if m.progress.status == "executing"]
         self.assertGreater(max(errors), 0.0)
-        self.assertLess(max(errors), 0.02, "[m] deviation_limit and what the robot's state lags behind")
+        self.assertLess(max(errors), 0.02, "[m] deviation_limit plus the lag of the robot's state")
         time.sleep(0.2)
         self.assert_at(self.daemon.robot, self.home, "the robot is not at the goal")
 

@@ -10,7 +10,7 @@
 #include <map>
 #include <string>
 
-// What the integration tests share: the newest message of each topic and waiting on a condition with a deadline.
+// Shared by the integration tests: the newest message of each topic, and a wait for a condition with a deadline.
 
 namespace raven2_trainer {
 
@@ -27,7 +27,7 @@ inline bool waitFor(const std::function<bool()>& condition, double seconds) {
   return false;
 }
 
-/** Newest message of a topic, and how many came. */
+/** Newest message of a topic, and how many were received. */
 template <typename Message>
 class Latest {
  public:
@@ -50,7 +50,7 @@ class Latest {
   ros::Subscriber subscriber_;
 };
 
-/** Position of one joint by name; NaN if it is not there. */
+/** Position of one joint by name; NaN if the joint is missing. */
 inline double position(const sensor_msgs::JointState& state, const std::string& joint) {
   for (std::size_t i = 0; i < state.name.size() && i < state.position.size(); ++i) {
     if (state.name[i] == joint) return state.position[i];
@@ -62,12 +62,12 @@ inline double magnitude(const geometry_msgs::WrenchStamped& wrench) {
   return std::hypot(wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z);
 }
 
-/** Has joint 1 of the gold arm left its home by a millimetre's worth? The scripted surgeon is at work then. */
+/** Whether the gold arm's shoulder has left its home: then the scripted surgeon is at work. */
 inline bool isMoving(const Latest<sensor_msgs::JointState>& joints) {
   return joints.count() > 0 && std::abs(position(joints.get(), "shoulder_L") - 0.5236) > 0.02;
 }
 
-/** gtest's main with ROS; every test program of this folder. */
+/** gtest's main with ROS, for every test program of this folder. */
 #define RAVEN2_INTEGRATION_MAIN(name)     \
   int main(int argc, char** argv) {       \
     testing::InitGoogleTest(&argc, argv); \

@@ -1,5 +1,5 @@
-"""Drivers of haptic devices that are not there: they publish and listen as the real ones do, with the messages of their
-own packages, made by genpy from those packages' texts."""
+"""Simulated drivers of haptic devices. They publish and subscribe as the real drivers do, with the messages of the real
+drivers' packages, made by genpy from those packages' texts."""
 import math
 import threading
 
@@ -13,7 +13,7 @@ RULE = "\n" + 80 * "=" + "\n"
 
 
 def message(name, text, *parts):
-    """Class of a message by its text and those of what it holds."""
+    """Class of a message, from its text and the classes of its parts."""
     whole = text + "".join(f"{RULE}MSG: {part._type}\n{part._full_text}" for part in parts)
     return genpy.dynamic.generate_dynamic(name, whole)[name]
 
@@ -45,8 +45,8 @@ class Driver:
         self.position = [0.0, 0.0, 0.0]
         self.trembles = True
         self.listener, self.others = None, []
-        self.is_held = False  # by a controller of its own, until the first force
-        self.force = None  # [N] newest, as the driver was told
+        self.is_held = False  # by the device's own controller, until the first force
+        self.force = None  # [N] newest that the driver received
         self.forces = 0
         self._ticks = 0
         self._stop = threading.Event()
@@ -63,7 +63,7 @@ class Driver:
             self.publish([self.position[0] + shake, self.position[1], self.position[2]])
 
     def move(self, axis, way, seconds=0.3):
-        """[m] along one of the device's axes."""
+        """Moves the device by `way` [m] along one of its axes."""
         start, steps = self.position[axis], int(seconds / 0.01)
         for step in range(1, steps + 1):
             self.position[axis] = start + way * step / steps
@@ -76,7 +76,7 @@ class Driver:
     def close(self):
         self._stop.set()
         self._thread.join()
-        for subscription in filter(None, [self.listener, *self.others]):  # of the next test, too: all are one node
+        for subscription in filter(None, [self.listener, *self.others]):  # all tests are one node
             subscription.unregister()
 
 
@@ -87,7 +87,7 @@ class Omni(Driver):
         super().__init__()
         self._state = rospy.Publisher(f"/{name}/state", OmniState, queue_size=1)
         self._buttons = rospy.Publisher(f"/{name}/button", OmniButtonEvent, queue_size=100)
-        self.held_at = None  # [m] where it would hold the device, if it were one that locks
+        self.held_at = None  # [m] where a device that locks would be held
         self.listener = rospy.Subscriber(f"/{name}/force_feedback", OmniFeedback, self.feel)
 
     def feel(self, feedback):
@@ -106,7 +106,7 @@ class Omni(Driver):
 
 
 class Geomagic(Driver):
-    """WPI's: millimetres, x right, y up, z to the user; reads three locks of a feedback, whatever came."""
+    """WPI's driver: millimetres, x right, y up, z to the user; always reads three locks of a feedback."""
 
     def __init__(self):
         super().__init__()
@@ -130,7 +130,7 @@ class Geomagic(Driver):
 
 
 class Crtk(Driver):
-    """sawSensablePhantom or an MTM: metres; `force` and `absolute` as each names them."""
+    """sawSensablePhantom or an MTM: metres; `force` and `absolute` are the topics' names."""
 
     def __init__(self, name, force="servo_cf", absolute=None):
         super().__init__()

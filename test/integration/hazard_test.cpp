@@ -38,8 +38,8 @@ TEST(SuddenJump, IsFeltAsAForceTowardTheModelAndEndsWhenCleared) {
         return gold.count() >= begin + 30;
       },
       5.0);
-  EXPECT_LE(strongest, 3.3 + 1e-9) << "the cap";
-  EXPECT_GT(part, 0.02) << "the robot's shoulder left the model's";
+  EXPECT_LE(strongest, 3.3 + 1e-9) << "the force exceeds its cap";
+  EXPECT_GT(part, 0.02) << "the robot's shoulder did not leave the model's";
   EXPECT_EQ(magnitude(green.get()), 0.0) << "the other arm is not concerned";
 
   std_srvs::Trigger stop;

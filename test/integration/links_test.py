@@ -27,7 +27,7 @@ from robot_frames import FrameReader, Master, connect
 from sensor_msgs.msg import JointState
 from std_srvs.srv import Trigger
 
-ROBOT_PORT, STATE_PORT = 27141, 27143  # below those of outgoing connections, which any could have taken
+ROBOT_PORT, STATE_PORT = 27141, 27143  # below the range of outgoing connections, so that no other process has them
 # Published check sums (raven2.md 5.2, 5.3).
 STATE_MD5 = "ce9e7f4969049d8bb365de3c98461a01"
 FORK_MD5 = "1156a31ded2ee54c003e39e2268ee9c7"
@@ -80,12 +80,12 @@ def md5_of(name, text):
 
 
 def joints(channels, arm):
-    """An arm's seven out of sixteen by channel; 3 and 11 are not connected."""
+    """An arm's seven values out of sixteen channels; channels 3 and 11 are not connected."""
     return [channels[8 * arm + slot] for slot in (0, 1, 2, 4, 5, 6, 7)]
 
 
 class Bridge:
-    """A raven_state_bridge of this test, its words and a reader of its frames."""
+    """A raven_state_bridge that this test starts, with its messages and a reader of its frames."""
 
     def __init__(self, topic, port):
         self.said = ""
@@ -160,7 +160,7 @@ class Links(unittest.TestCase):
         self.ready()
         self.assertEqual(self.robot.hello, b"virtual\0")
         levels = [s.runlevel for s in self.robot.states]
-        self.assertEqual(levels, sorted(levels), "a level was left on the way")
+        self.assertEqual(levels, sorted(levels), "homing went back a run level")
         for earlier, later in zip(self.robot.states, self.robot.states[1:]):
             self.assertGreater(later.cycle, earlier.cycle)
             self.assertGreaterEqual(later.time_ns, earlier.time_ns)
@@ -261,7 +261,7 @@ class Links(unittest.TestCase):
         own = {}
         for before, state, after in zip(own_states, own_states[1:], own_states[2:]):
             own.setdefault(state.last_sequence, []).append(state)
-            if after.cycle - before.cycle != 2:  # this reader was too slow: which cycle is missing it cannot know
+            if after.cycle - before.cycle != 2:  # this reader was too slow and does not know which cycle is missing
                 own[state.last_sequence].append(None)
         own = {sequence: states for sequence, states in own.items() if None not in states}
         moving = [s for s in bridged_states if s.runlevel == PEDAL_DN and s.last_sequence in own]
@@ -269,7 +269,7 @@ class Links(unittest.TestCase):
         self.assertGreater(max(s.q[0][0] for s in moving) - min(s.q[0][0] for s in moving), 0.01, "nothing moved")
         for state in moving:
             twins = [t for t in own[state.last_sequence] if self.is_same(t, state)]
-            self.assertTrue(twins, f"sequence {state.last_sequence}: no such state of the robot's own")
+            self.assertTrue(twins, f"sequence {state.last_sequence}: the robot's own link has no such state")
 
     @staticmethod
     def is_near(one, other, delta):
@@ -277,7 +277,7 @@ class Links(unittest.TestCase):
 
     @classmethod
     def is_same(cls, own, bridged):
-        # half a float's step: 90 degrees 3.8e-6 degrees, 50,000 degrees of a motor 2e-3 degrees
+        # half a float's step: 3.8e-6 degrees at 90 degrees, 2e-3 degrees at a motor's 50,000 degrees
         return own.runlevel == bridged.runlevel and own.sublevel == bridged.sublevel and own.dac == bridged.dac and all(
             cls.is_near(own.q[a], bridged.q[a], 1e-7) and cls.is_near(own.motor[a], bridged.motor[a], 4e-5)
             for a in (0, 1))
@@ -291,7 +291,7 @@ class Links(unittest.TestCase):
         bridge = Bridge("/replay", 27146)
         run("rosbag", "play", "-q", "--queue=5000", "--rate=0.5", "--wait-for-subscribers", self.bag, "/ravenstate:=/replay")
         self.assertIsNotNone(bridge.reader.wait(lambda s: s.last_sequence == messages[-1].last_seq))
-        self.assertTrue(bridge.hears("the state is stale"), "the topic ended")
+        self.assertTrue(bridge.hears("the state is stale"), "the bridge did not report the end of the topic")
         self.assertEqual(bridge.stop(), 0)
         counts = re.search(r"(\d+) messages, (\d+) of them refused; (\d+) states lost .*, (\d+) frames lost", bridge.said)
         received, refused, before, behind = map(int, counts.groups())
@@ -327,7 +327,7 @@ class Links(unittest.TestCase):
         self.assertAlmostEqual(state.q[0][2], 0.40, delta=1e-6)
         self.assertEqual(state.dac[0], [100, 101, 102, 104, 105, 106, 107])
         self.assertEqual(state.dac[1], [108, 109, 110, 112, 113, 114, 115])
-        # 0.1 degrees of the motor a cycle over 136.196 (raven2.md 3.2)
+        # 0.1 degrees of the motor per cycle, divided by 136.196 (raven2.md 3.2)
         self.assertAlmostEqual(state.dq[0][0], 100 * DEGREE / 136.19625551, delta=3e-4)
 
     def test_10_the_bridge_refuses_another_type_and_names_those_it_knows(self):
@@ -348,7 +348,7 @@ class Links(unittest.TestCase):
         course = self.robot.states[before:]
         first = next(s.cycle for s in course if s.soft_estopped)
         stopped = next(s.cycle for s in course if s.runlevel == E_STOP)
-        self.assertTrue(150 <= stopped - first <= 300, stopped - first)  # the PLC waits 0.2 s for an edge
+        self.assertTrue(150 <= stopped - first <= 300, stopped - first)  # the PLC waits 0.2 s for a watchdog edge
         self.master.send(0)
 
         pressed = len(self.robot.states)
@@ -368,7 +368,7 @@ class Links(unittest.TestCase):
         code, _, (_, host, port) = robot.requestTopic("/links_test", "/ravenstate", [["TCPROS"]])
         self.assertEqual(code, 1)
         with socket.socket() as stalled:
-            stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # so that little lies between the two
+            stalled.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4096)  # small, so that it is soon full
             stalled.connect((host, port))
             fields = [b"callerid=/stalled", b"topic=/ravenstate", b"type=raven_2/raven_state",
                       b"md5sum=" + STATE_MD5.encode()]
@@ -381,10 +381,10 @@ class Links(unittest.TestCase):
             begin = self.robot.states[-1].cycle
             self.assertIsNotNone(self.robot.wait(lambda s: s.cycle >= begin + 3000 and len(numbers) > 2500))
             subscriber.unregister()
-        # This process itself may be late on a busy machine and lose some; behind a stalled reader nearly all would be late.
+        # On a busy machine this process may lose some messages. Behind a stalled reader nearly all would be late.
         self.assertEqual(numbers, sorted(set(numbers)), "in order")
         span = numbers[-1][0] - numbers[0][0] + 1e-9 * (numbers[-1][1] - numbers[0][1])
-        self.assertGreater(len(numbers), 0.95 * 1000 * span, "the others go on, 1000 a second")
+        self.assertGreater(len(numbers), 0.95 * 1000 * span, "other subscribers still receive 1000 a second")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 #!/usr/bin/python3
-"""master_console --master with each family of haptic devices: motion comes out of it along the right axes, forces come
-back along them, and what is wrong is told.
+"""master_console --master with each family of haptic devices. It sends motion along the right axes, publishes forces
+along the same axes, and reports faults.
 
-Drivers and daemon are the test's.
+The test plays the drivers and the daemon.
 """
 import gc
 import math
@@ -35,7 +35,7 @@ while not rospy.is_shutdown():
         connected = rospy.get_time()
     pedal.publish(Joy(buttons=[int(connected is not None and rospy.get_time() - connected > 1)]))
     rate.sleep()
-"""  # up for a second of its connection, then held
+"""  # up for a second after it is connected, then held
 
 STRANGER = """
 import rospy
@@ -65,11 +65,11 @@ SO_RCVBUFFORCE = 33  # of Linux; Python has no name for it
 
 
 class Daemon:
-    """Stands for the daemon by doc/wire.md: adds up what comes, sends forces 250 times a second."""
+    """Replaces the daemon, by doc/wire.md: adds up the motion it receives, sends forces 250 times a second."""
 
     def __init__(self):
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
-        # A busy machine keeps this thread from its packets for longer than the system's own buffer lasts: 0.25 s.
+        # On a busy machine this thread may not run for longer than the system's own buffer lasts, 0.25 s.
         try:
             self._socket.setsockopt(socket.SOL_SOCKET, SO_RCVBUFFORCE, 1 << 22)
         except PermissionError:
@@ -117,7 +117,7 @@ class Daemon:
 
 
 class Console:
-    """master_console with a packaged master, which is patient with this machine."""
+    """master_console with a packaged master, whose time-outs are longer because this machine may be busy."""
 
     def __init__(self, daemon, master, **changes):
         self._folder = tempfile.TemporaryDirectory()
@@ -180,7 +180,7 @@ class Masters(unittest.TestCase):
         self.daemon.close()
 
     def settle(self):
-        """Hands that are watched, and rest then."""
+        """Lets the console watch trembling drivers until it accepts them; then they rest."""
         self.await_that(lambda: all(d.listener.get_num_connections() > 0 and (d.forces > 0 or d.is_held)
                                     for d in self.drivers), "forces do not come")
         time.sleep(0.8)  # watch is 0.5 s
@@ -192,7 +192,7 @@ class Masters(unittest.TestCase):
                          "a force takes an arm from the controller that holds it")
 
     def engage(self, press, release=lambda: None):
-        """Where a busy machine kept a driver's messages back, the console has lifted the pedal and wants a new press."""
+        """Presses up to three times: if a busy machine delays a driver's messages, the console wants a new press."""
         for _ in range(3):
             press()
             end = time.monotonic() + 3
@@ -206,7 +206,7 @@ class Masters(unittest.TestCase):
         time.sleep(0.1)
 
     def check_motion(self, axes, scale, ways=(0.006, -0.004)):
-        """Each device along each of its axes: where ITP's axes are, and that nothing else moved."""
+        """Moves each device along each of its axes: motion comes along the right axis of ITP and along no other."""
         for axis, direction in enumerate(axes):
             before = [list(arm) for arm in self.daemon.sum]
             for driver, way in zip(self.drivers, ways):
@@ -220,7 +220,7 @@ class Masters(unittest.TestCase):
                                 f"axis {axis} of arm {arm}: wanted {wanted}, is {moved()}", 5)
 
     def check_force(self, axes):
-        """A newton along each of ITP's directions that are a device's axis is one along that axis."""
+        """For each axis of the device: a newton along its direction in ITP comes out as a newton along that axis."""
         for axis, direction in enumerate(axes):
             self.daemon.force = [tuple(1.0 * k for k in direction), tuple(-0.5 * k for k in direction)]
             for driver, size in zip(self.drivers, (1.0, -0.5)):
@@ -235,7 +235,7 @@ class Masters(unittest.TestCase):
         self.await_that(lambda: all(d.force == (0.0, 0.0, 0.0) for d in self.drivers), "a force with the pedal up")
 
     def check_end(self, press, release=lambda: None):
-        """Ended with a force on the hands: the last that drivers hear is none."""
+        """Ends the console while it renders a force: the last force that each driver receives is zero."""
         self.engage(press, release)
         self.await_that(lambda: all(d.force != (0.0, 0.0, 0.0) for d in self.drivers), "no force")
         status, said = self.console.end()
@@ -257,7 +257,7 @@ class Masters(unittest.TestCase):
         said = self.run_family((RIGHT, FORWARD, minus(DOWN)), 0.1, lambda: right.press(1), lambda: right.press(0))
         self.assertIn(f"left: force on /left/force_feedback, read by 1: {rospy.get_name()}", said)
         self.assertIn("let go", said)
-        for driver in (left, right):  # the last message, of no force, pulls a device that is locked nowhere
+        for driver in (left, right):  # the last message, with zero force, does not pull a device that locks
             self.assertLess(math.dist(driver.held_at, driver.position), 0.001)
             self.assertGreater(math.hypot(*driver.position), 0.003)
 
@@ -282,7 +282,7 @@ class Masters(unittest.TestCase):
         self.assertEqual([arm.is_compensated for arm in arms], [True, True])
         self.engage(lambda: foot.publish(Joy(buttons=[1])), lambda: foot.publish(Joy(buttons=[0])))
         self.check_motion((minus(RIGHT), minus(DOWN), FORWARD), 0.2)
-        # jaws: from where they were to 0.8 rad, then half closed
+        # the jaws open from where they were to 0.8 rad, then close by half
         time.sleep(1.0)
         opened = self.daemon.closed[1]
         arms[1].angle = 0.4
@@ -291,9 +291,9 @@ class Masters(unittest.TestCase):
         self.engage(lambda: foot.publish(Joy(buttons=[1])), lambda: foot.publish(Joy(buttons=[0])))
         arms[0].enable("FAULT")
         self.await_that(lambda: self.daemon.pedal == 0, "a fault of the arm does not lift the pedal")
-        self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "it is not told")
+        self.await_that(lambda: "/MTML/operating_state is not ENABLED" in self.console.said(), "fault not reported")
         foot.unregister()
-        self.await_that(lambda: "nobody publishes /footpedals/coag" in self.console.said(), "a lost pedal is not told")
+        self.await_that(lambda: "nobody publishes /footpedals/coag" in self.console.said(), "no report of a lost pedal")
 
     def test_forces_wait_for_the_axes_of_the_base(self):
         names = ("MTML", "MTMR")
@@ -307,7 +307,7 @@ class Masters(unittest.TestCase):
         self.daemon.force = [(1.0, 0.0, 0.0), (1.0, 0.0, 0.0)]
         for name in names:
             self.await_that(lambda n=name: f"nobody reads /{n}/body/set_cf_orientation_absolute: forces stay zero"
-                            in self.console.said(), "a missing listener is not told")
+                            in self.console.said(), "a missing subscriber is not reported")
         time.sleep(0.5)
         self.assertEqual([arm.force for arm in arms], 2 * [(0.0, 0.0, 0.0)])
         arms[0].await_absolute("body/set_cf_orientation_absolute")
@@ -323,10 +323,10 @@ class Masters(unittest.TestCase):
         self.addCleanup(foot.kill)
         self.await_that(lambda: self.daemon.pedal == 1, "not engaged", 30)
         time.sleep(1.0)
-        self.assertEqual(self.daemon.pedal, 1, "held, and repeated")
+        self.assertEqual(self.daemon.pedal, 1, "a pedal that is held and repeated is up")
         foot.send_signal(signal.SIGKILL)
         self.await_that(lambda: self.daemon.pedal == 0, "a pedal whose program was killed stays down", 5)
-        self.await_that(lambda: "nothing came on /footpedals/coag" in self.console.said(), "it is not told")
+        self.await_that(lambda: "nothing came on /footpedals/coag" in self.console.said(), "a silent pedal: no report")
         self.await_that(lambda: all(arm.force == (0.0, 0.0, 0.0) for arm in arms), "a force with the pedal up")
 
     def test_gamepad(self):
@@ -363,7 +363,7 @@ class Masters(unittest.TestCase):
         listener = rospy.Subscriber("/diagnostics", DiagnosticArray, hear)
         self.addCleanup(listener.unregister)
         self.begin("touch_geomagic", [touch], swap={"units: mm": "units: m "})
-        self.await_that(lambda: "the driver publishes millimetres; units: mm" in self.console.said(), "not told")
+        self.await_that(lambda: "the driver publishes millimetres; units: mm" in self.console.said(), "no report")
         time.sleep(1.0)
         touch.press(1)
         time.sleep(0.5)
@@ -378,15 +378,15 @@ class Masters(unittest.TestCase):
         self.settle()
         self.engage(lambda: touch.press(1), lambda: touch.press(0))
         touch.listener.unregister()
-        self.await_that(lambda: "read by NOBODY any more" in self.console.said(), "a lost reader is not told")
+        self.await_that(lambda: "read by NOBODY any more" in self.console.said(), "a lost reader is not reported")
         stranger = subprocess.Popen(["/usr/bin/python3", "-c", STRANGER])
         self.addCleanup(stranger.wait)
         self.addCleanup(stranger.kill)
         self.await_that(lambda: "read by 1: /stranger, but not by " + rospy.get_name() in self.console.said(),
-                        "a reader that is not the driver is taken for it", 30)
+                        "another reader is taken for the driver", 30)
         touch.close()
         self.await_that(lambda: self.daemon.pedal == 0, "a silent device does not lift the pedal")
-        self.await_that(lambda: "left: nothing came on /Geomagic/pose" in self.console.said(), "it is not told")
+        self.await_that(lambda: "left: nothing came on /Geomagic/pose" in self.console.said(), "no report of silence")
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ TEST(NominalSession, ModelAndRobotFollowTheSurgeonTogetherAndNoForceIsFelt) {
         return gold.count() >= begin + 500;
       },
       20.0));
-  // 3 mm, where the cue begins, are 0.03 rad at 0.1 m from the remote centre.
+  // The force begins at 3 mm, which is 0.03 rad at 0.1 m from the remote centre.
   EXPECT_LT(worst, 0.03);
   EXPECT_EQ(force, 0.0);
 }
@@ -45,7 +45,7 @@ TEST(NominalSession, JointStatesCarryTheRealRobotsNames) {
   EXPECT_EQ(model.get().name, expected);
   EXPECT_EQ(model.get().velocity.size(), expected.size());
   EXPECT_EQ(model.get().effort.size(), expected.size());
-  // the robot's own carries the wanted ones as well, with a 2 at the end
+  // the robot's own message also has the desired joints, with a 2 at the end
   std::vector<std::string> both = expected;
   for (const std::string& joint : expected)
     both.push_back(joint + "2");
@@ -62,12 +62,12 @@ TEST(NominalSession, PicturesComeWithTheirCamera) {
   EXPECT_GT(info.get().K[0], 0.0);
   const std::set<std::uint8_t> values(image.get().data.begin(), image.get().data.end());
   EXPECT_GT(values.size(), 50U) << "an empty picture";
-  // the info that belongs to a picture carries its stamp
+  // the camera info of a picture has its stamp
   const ros::Time stamp = image.get().header.stamp;
   EXPECT_TRUE(waitFor([&] { return info.get().header.stamp >= stamp; }, 2.0));
 }
 
-/** Stamps of all messages, and how old each was when it came. */
+/** Stamps of all messages, and the age of each at its receipt. */
 template <typename Message>
 class Stamps {
  public:
@@ -78,7 +78,7 @@ class Stamps {
         })) {}
   const std::vector<ros::Time>& all() const { return stamps_; }
   double rate() const { return static_cast<double>(stamps_.size() - 1) / (stamps_.back() - stamps_.front()).toSec(); }
-  /** [s] that so many of them, a share of all, were at most old. */
+  /** [s] The age that this share of all messages did not exceed. */
   double age(double share) const {
     std::vector<double> ages = ages_;
     std::sort(ages.begin(), ages.end());
@@ -92,7 +92,7 @@ class Stamps {
   ros::Subscriber subscriber_;
 };
 
-/** Five seconds of pictures. @return whether they came at their rate, 95 of 100 of them no older than 40 ms. */
+/** Watches five seconds of pictures. @return whether they came at their rate and 95 of 100 were at most 40 ms old. */
 bool arePicturesOnTime() {
   Stamps<sensor_msgs::CameraInfo> infos("camera/camera_info");
   Stamps<sensor_msgs::Image> images("camera/image_raw");
@@ -111,8 +111,7 @@ bool arePicturesOnTime() {
   return images.rate() >= 25.0 && images.rate() <= 31.0 && images.age(0.95) < 0.040;
 }
 
-/** What a busy computer does to five seconds of them is not the daemon's: it has four times five to show what it does.
- */
+/** A busy computer may delay the pictures of five seconds. The daemon passes if one of four such periods is on time. */
 TEST(NominalSession, PicturesComeAtTheirRateAreNewAndHaveTheirCamerasStamps) {
   bool are_on_time = false;
   for (int i = 0; i < 4 && !are_on_time; ++i)
@@ -123,7 +122,7 @@ TEST(NominalSession, PicturesComeAtTheirRateAreNewAndHaveTheirCamerasStamps) {
 TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {
   Latest<sensor_msgs::Image> left("camera/left/image_raw"), right("camera/right/image_raw");
   ASSERT_TRUE(waitFor([&] { return left.count() > 5 && right.count() > 5; }, kStartDeadline));
-  // The right one's picture comes behind the left one's, well before the next pair.
+  // The right picture comes after the left one, well before the next pair.
   EXPECT_TRUE(waitFor([&] { return left.get().header.stamp == right.get().header.stamp; }, 5.0));
   EXPECT_EQ(left.get().header.frame_id, "endoscope_left_optical_frame");
   EXPECT_EQ(right.get().header.frame_id, left.get().header.frame_id);
@@ -209,7 +208,7 @@ TEST(NominalSession, EveryLinksCountersAddUp) {
     return found.size() == 4 && std::all_of(found.begin(), found.end(), is_ok);  // master, robot, relay and pedals
   };
   ASSERT_TRUE(waitFor([&] { return diagnostics.count() > 1; }, kStartDeadline));
-  waitFor(all_are_ok, 10.0);  // a stream that stalled for a moment is told of for one
+  waitFor(all_are_ok, 10.0);  // a short stall of a stream is reported for a short time
   const Statuses found = links();
   EXPECT_EQ(found.size(), 4U) << "master, robot, relay and pedals";
   for (const auto& status : found)

@@ -1,7 +1,7 @@
-"""How fast a released pedal stops what is being executed.
+"""How fast a released pedal stops an execution.
 
-Measured between clocks of one computer: the console's when the released pedal is sent, the robot's own in its state frames,
-and the daemon's in its session log.
+All clocks are of one computer: the console's when it sends the released pedal, the robot's in its state frames, and the
+daemon's in its session log.
 """
 import glob
 import os
@@ -16,11 +16,11 @@ import raven2_session  # noqa: E402
 PEDAL_UP, PEDAL_DN = 2, 3
 LIMIT = 0.020  # s from the release, as sent, to the robot's PEDAL_UP and to its last motion
 MOVING = 0.05  # rad/s, a tenth of the planner's limit
-# rad, rad, m that still are rest: 1 ms of the path at full speed is 5e-4 rad and 1e-4 m. A tip 0.1 m below the remote
-# centre is moved by 0.03 mm.
+# rad, rad, m that still count as rest: 1 ms of the path at full speed is 5e-4 rad and 1e-4 m. They move a tip 0.1 m
+# below the remote centre by 0.03 mm.
 REST = (3e-4, 3e-4, 3e-5)
-# s between two ticks of the robot or of the daemon, from which a release says more about the machine than about the trainer.
-# Such a release is repeated.
+# s between two ticks of the robot or of the daemon. Beyond it, a release says more about the machine than about the
+# trainer and is repeated.
 LATE = 0.004
 WINDOW_NS = (-30_000_000, 60_000_000)  # around the release, in which both must have ticked on time
 
@@ -30,7 +30,7 @@ class Late(Exception):
 
 
 def stops_of(test, release, count, session, arms=(0,)):
-    """Measures and judges `count` releases, at most three times as many being tried. @param release: release(k) returns
+    """Measures and judges `count` releases. Tries at most three times as many. @param release: release(k) returns
     (release [ns], s to PEDAL_UP, s to the robot's last motion), or throws Late."""
     stops, reasons = [], []
     while len(stops) < count:
@@ -60,24 +60,24 @@ def newest_session(name):
 
 
 def is_fast(state, arm=0):
-    """Does the arm move, shoulder or elbow?"""
+    """Whether the arm moves its shoulder or elbow."""
     return max(map(abs, state.dq[arm][:2])) > MOVING
 
 
 def differ(state, other, arms=(0,)):
-    """Does any of the arms stand elsewhere?"""
+    """Whether any of the arms is elsewhere."""
     return any(abs(a - b) > limit for arm in arms for a, b, limit in zip(state.q[arm], other.q[arm], REST))
 
 
 def release_when(console, robot, condition):
-    """The pedal goes up as soon as condition(newest state) holds. @return (release [ns], index of the state then)."""
-    assert robot.wait(condition) is not None, "it never was so far"
+    """Releases the pedal as soon as condition(newest state) holds. @return (release [ns], index of the state then)."""
+    assert robot.wait(condition) is not None, "the condition for the release never held"
     first = len(robot.states)
     return console.release(), first
 
 
 def robot_stop(robot, released, first, arms=(0,)):
-    """(s to the robot's first PEDAL_UP, s to its last motion), 0.7 s being watched."""
+    """Watches 0.7 s. @return (s to the robot's first PEDAL_UP, s to its last motion)."""
     end = robot.states[-1].cycle + 700
     assert robot.wait(lambda s: s.cycle >= end) is not None
     states = robot.states[first - 100:]
@@ -86,7 +86,7 @@ def robot_stop(robot, released, first, arms=(0,)):
     after = [s for s in states if s.time_ns >= released]
     assert before[-1].runlevel == PEDAL_DN
     if not differ(before[-1], before[-20], arms):
-        raise Late("it stood before the release: nothing is shown")
+        raise Late("the robot was at rest before the release: the test shows nothing")
     up = next(s for s in after if s.runlevel == PEDAL_UP)
     moving = [s for s in after if differ(s, states[-1], arms)]
     last = moving[-1] if moving else after[0]
@@ -94,7 +94,7 @@ def robot_stop(robot, released, first, arms=(0,)):
 
 
 def model_stop(log, released, arms=(0,)):
-    """(s to the tick in which the model stops being led, s to when it stands where the robot stands)."""
+    """@return (s to the tick in which the model leaves its path, s until the model rests at the robot's place)."""
     times, model = log.ticks["model"]["time_ns"], log.ticks["model"]
     executing = log.names("tick", "model.mode").index("executing")
     before = times < released
@@ -120,6 +120,6 @@ def check_stops(test, stops):
 
 
 def demand_released(report):
-    """@throw Late if the path was done before the pedal went up."""
+    """@throw Late if the path ended before the pedal went up."""
     if report.end == "finished":
         raise Late("the path was done before the pedal went up")

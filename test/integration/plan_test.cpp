@@ -44,7 +44,7 @@ TEST(Plan, ThePathFromTheDomeToTheRingIsTrackedByTheModelWhileTheRobotHolds) {
            std::abs(position(model.get(), "elbow_L") - goal.positions[1]) < 0.01 &&
            std::abs(position(model.get(), "insertion_L") - goal.positions[2]) < 0.002;
   };
-  EXPECT_FALSE(reached()) << "the goal was where the arm stood: nothing is shown";
+  EXPECT_FALSE(reached()) << "the arm was already at the goal: the test shows nothing";
   EXPECT_TRUE(waitFor(reached, goal.time_from_start.toSec() + 5.0)) << "the model did not get there";
   EXPECT_NEAR(position(robot.get(), "insertion_L"), held, 1e-3) << "the robot moved";
 }

@@ -1,4 +1,4 @@
-"""What the tests of planning and executing share: a console that knows when it spoke, and clients of the daemon."""
+"""Shared by the tests of planning and executing: a console that notes when it sends a release, and daemon clients."""
 import threading
 import time
 
@@ -13,12 +13,12 @@ SUCCESS, PREEMPTED = 1, -7  # moveit_msgs/MoveItErrorCodes
 
 
 class Console(threading.Thread):
-    """One packet about every millisecond; pedal and step are the test's."""
+    """Sends a packet about every millisecond. The test sets pedal and step."""
 
     def __init__(self, port):
         super().__init__(daemon=True)
         self.pedal, self.step_um, self.green_um = 0, (0, 0, 0), (0, 0, 0)
-        self.released_ns = 0  # CLOCK_MONOTONIC before the first packet that said so
+        self.released_ns = 0  # CLOCK_MONOTONIC before the first packet with the released pedal
         self._master = Master(port)
 
     def run(self):
@@ -32,10 +32,10 @@ class Console(threading.Thread):
             time.sleep(0.001)
 
     def release(self):
-        """The pedal goes up. Returns when that was said [ns]."""
+        """Releases the pedal. Returns when that was sent [ns]."""
         before = self.released_ns
         self.pedal = 0
-        until(lambda: self.released_ns != before, 5, "the console speaks")
+        until(lambda: self.released_ns != before, 5, "the console sends")
         return self.released_ns
 
 
@@ -75,7 +75,7 @@ class Daemon:
         self.plan = rospy.ServiceProxy("plan", PlanPath)
         self.planning_mode = rospy.ServiceProxy("planning_mode", PlanningMode)
         self.execute_plan = rospy.ServiceProxy("execute_plan", ExecutePlan)
-        # Without a look-up at the master and a new connection at each call: it is our answer that is timed.
+        # Persistent: without a look-up at the master and a new connection at each call, only our answer is timed.
         self.cancel_plan = rospy.ServiceProxy("cancel_plan", CancelPlan, persistent=True)
 
     def status(self):
@@ -91,11 +91,11 @@ class Daemon:
 
     @staticmethod
     def joints(source):
-        """The gold arm's seven, by name."""
+        """The gold arm's seven joints, by name."""
         at = dict(zip(source.message.name, source.message.position))
         return [at[name] for name in ARM]
 
 
 def plan_to(joints):
-    """Fields of a plan's goal for the gold arm: the action's and the service's alike."""
+    """Fields of a plan's goal for the gold arm, for the action and for the service."""
     return {"arm": "gold", "default_goal": False, "goal": [0.0, 0.0, 0.0], "joints": list(joints)}

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A robot that is lost with the pedal down and comes back: engaged again only by a new pedal-down.
+"""A robot is lost with the pedal down and comes back. Only a new pedal-down engages it again.
 
 The test is the console.
 """
@@ -13,12 +13,12 @@ from robot_frames import Master, connect, kill_robot
 
 MASTER_PORT, STATE_PORT = 27150, 27153
 PEDAL_UP, PEDAL_DN = 2, 3
-SILENCE = 0.15  # s; of 0.2 the daemon makes a pedal that was lifted, and of what comes next one that is pressed
+SILENCE = 0.15  # s; after 0.2 the daemon takes the pedal as lifted, and the next packet as a new press
 ATTEMPTS = 4
 
 
 class Console(threading.Thread):
-    """One packet about every millisecond; pedal and step are the test's. Knows how long it was kept from sending."""
+    """Sends a packet about every millisecond. The test sets pedal and step. Keeps the longest pause between packets."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -37,8 +37,8 @@ class Console(threading.Thread):
 
 class Relink(unittest.TestCase):
     def lose(self, robot, console):
-        """Engaged, then lost with the pedal down. Returns a reader of the robot that came back, a second after it was
-        ready, and the cycle in which it was."""
+        """Engages the robot and kills it with the pedal down. Waits until a second after the new robot is ready.
+        Returns a reader of the new robot and the cycle in which it was ready."""
         console.pedal, console.step_um = 0, 0
         self.assertIsNotNone(robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60))
         time.sleep(0.3)
@@ -64,23 +64,23 @@ class Relink(unittest.TestCase):
             if console.longest_silence < SILENCE:
                 break
             print(f"this console was silent for {console.longest_silence:.3f} s, which counts as a lifted pedal: again")
-        self.assertLess(console.longest_silence, SILENCE, "this computer lets no console speak")
+        self.assertLess(console.longest_silence, SILENCE, "this computer kept the console silent each time")
         # THEN the pedal that is still down does not engage it
         self.assertEqual({s.runlevel for s in robot.states if s.cycle >= since}, {PEDAL_UP})
-        self.assertGreater(robot.states[-1].last_sequence, 0, "the relay does send, with the pedal up")
+        self.assertGreater(robot.states[-1].last_sequence, 0, "the relay sends nothing, not even a raised pedal")
 
-        # and a new pedal-down does, from where it stands
+        # and a new pedal-down engages it, where it is
         console.pedal = 0
         released = robot.states[-1]
         self.assertIsNotNone(robot.wait(lambda s: s.cycle > released.cycle + 300))
         console.pedal = 1
         engaged = robot.wait(lambda s: s.runlevel == PEDAL_DN)
-        self.assertIsNotNone(engaged, "the new pedal-down was not taken")
+        self.assertIsNotNone(engaged, "the robot did not accept the new pedal-down")
         self.assertIsNotNone(robot.wait(lambda s: s.cycle > engaged.cycle + 300))
         for arm in (0, 1):
             # the tool joints settle by some mrad, their integral working against friction (doc/virtual_raven.md)
             for before, after in zip(engaged.q[arm][:3], robot.states[-1].q[arm][:3]):
-                self.assertAlmostEqual(before, after, delta=2e-3, msg="it moved without being asked")
+                self.assertAlmostEqual(before, after, delta=2e-3, msg="the robot moved without a command")
         console.step_um = 10
         self.assertIsNotNone(robot.wait(lambda s: max(abs(a - b) for a, b in zip(s.q[0], engaged.q[0])) > 0.02))
 

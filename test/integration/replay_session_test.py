@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""A recorded session, played into ROS with /clock: what a node hears is what the log says, bit for bit."""
+"""Replays a recorded session into ROS with /clock: a node receives the values of the log, bit for bit."""
 import os
 import signal
 import subprocess
@@ -29,14 +29,14 @@ SECONDS = 6
 
 
 def urdf_rates(rates):
-    """raven2.md 5.4: the wrist of the green arm and the second jaw of both turn the other way in the URDF."""
+    """raven2.md 5.4: the green arm's wrist and both arms' second jaw have the opposite sign in the URDF."""
     gold, green = rates.copy()
     green[4], gold[6], green[6] = -green[4], -gold[6], -green[6]
     return np.concatenate([gold, green])
 
 
 def urdf_positions(q, d4):
-    """And the insertion counts from the remote centre, the roll from 45 degrees off."""
+    """As urdf_rates(). In addition, the insertion counts from the remote centre, and the roll from 45 degrees off."""
     out = urdf_rates(q)
     out[[2, 9]] += d4
     out[3] += -np.pi / 4
@@ -49,7 +49,7 @@ class Heard:
 
     def __init__(self, topic, kind):
         self.messages, self._arrivals = [], []
-        self.arrivals = []  # of what was taken last [s]
+        self.arrivals = []  # [s] of the messages that take() returned last
         self._lock = threading.Lock()
         self._subscriber = rospy.Subscriber(topic, kind, self._hear, queue_size=None, tcp_nodelay=True)
 
@@ -97,7 +97,7 @@ class ReplaySession(unittest.TestCase):
         return done, {topic: heard.take() for topic, heard in self.heard.items()}
 
     def refused(self):
-        """@return what a player said that did not play, and all topics that it published while it was there."""
+        """Runs a player that refuses to play. @return its messages, and all topics that it published until its end."""
         for heard in self.heard.values():
             heard.take()
         program = subprocess.Popen([os.path.join(PROGRAMS, "replay_session"), self.session], stderr=subprocess.PIPE, text=True)
@@ -110,7 +110,7 @@ class ReplaySession(unittest.TestCase):
         return program.stderr.read(), topics
 
     def due(self, first=0):
-        """Ticks of the log that a message of each state was made of, by their place in it."""
+        """Indices of the log's ticks from which a message of each state is published."""
         ticks = self.log.ticks["model"]
         at = [i for i in range(first, len(ticks)) if ticks["time_ns"][i] > 0]
         return at[::PERIOD]  # lockstep misses none
@@ -148,7 +148,7 @@ class ReplaySession(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         due = self.due()
         self.assertGreater(len(due), SECONDS * 1000 // PERIOD)
-        clock = [m.clock.to_nsec() for m in heard["/clock"]]  # of which rospy, that hears it too, keeps the newest only
+        clock = [m.clock.to_nsec() for m in heard["/clock"]]  # rospy subscribes as well and keeps the newest only
         self.assertGreater(len(clock), 10)
         self.assertTrue(all(a < b for a, b in zip(clock, clock[1:])), "/clock runs forward")
         self.assertTrue(set(clock) <= {int(self.log.ticks["model"]["time_ns"][i]) for i in due})
@@ -165,10 +165,10 @@ class ReplaySession(unittest.TestCase):
         self.assertTrue({"model/link1_L", "robot/grasper1_R", "endoscope_optical_frame"} <= frames, frames)
         fixed = {t.child_frame_id for m in heard["/tf_static"] for t in m.transforms}
         self.assertTrue({"model/base_link_L", "robot/base_link_R"} <= fixed, fixed)
-        self.assertFalse(frames & fixed, "each frame on one of the two topics")
+        self.assertFalse(frames & fixed, "a frame is on both topics")
 
     def test_it_takes_as_long_as_its_rate_says(self):
-        """A message may come late, on a busy machine, but none early: the earliest of the first ones and of the last ones tell."""
+        """A busy machine makes messages late, but never early. So the earliest of the first and last third count."""
         for rate in (2.0, 10.0):
             done, heard = self.play("--rate", str(rate), "--from", "1")
             self.assertEqual(done.returncode, 0, done.stderr)
@@ -193,7 +193,7 @@ class ReplaySession(unittest.TestCase):
                 rospy.set_param("/use_sim_time", value)
             said, topics = self.refused()
             self.assertIn("use_sim_time", said)
-            self.assertLessEqual(topics, {"/rosout"}, "who connects to a topic gets what is latched there")
+            self.assertLessEqual(topics, {"/rosout"}, "a subscriber would receive latched messages of these topics")
         done, heard = self.play("--set-sim-time", "--rate", "20")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertTrue(rospy.get_param("/use_sim_time"))

@@ -41,7 +41,7 @@ TEST(RobotDrop, TheModelGoesOnAloneAndTheReturningRobotCausesNoForce) {
         return gold.count() > back + 100;
       },
       10.0);
-  EXPECT_EQ(force, 0.0) << "model and robot stand apart until the next pedal-down: that is no hazard";
+  EXPECT_EQ(force, 0.0) << "the offset of model and robot until the next pedal-down is no hazard";
 }
 
 }  // namespace

@@ -15,8 +15,8 @@ import rospy
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "support"))
 from state_frame import State  # noqa: E402
 
-# To look through ten thousands of frames for cycles, of which there are none, stops all threads for half a second: a
-# console of this process would be silent for so long.
+# The collector would search ten thousands of frames for reference cycles, in vain, and stop all threads for half a
+# second. A console in this process would be silent for so long.
 gc.disable()
 
 HEADER = struct.Struct("<4sHHII")
@@ -26,7 +26,7 @@ HELLO, STATE_TYPE, PLAN = 1, 2, 3
 
 
 class FrameReader:
-    """A reader with a thread of its own: the hello, and every state frame in order."""
+    """Reads the hello and every state frame, in order, in a separate thread."""
 
     def __init__(self, port, address="127.0.0.1"):
         self._socket = socket.create_connection((address, port), timeout=10)
@@ -84,7 +84,7 @@ class FrameReader:
             return look.found
 
     def ended(self, seconds):
-        """Waits for the other side to close. Closed or not?"""
+        """Waits for the other side to close. Returns whether it did."""
         self._thread.join(seconds)
         return not self._thread.is_alive()
 
@@ -102,20 +102,20 @@ class FrameReader:
 
 
 def connect(port):
-    """A reader of the robot, as soon as it is there and says so: a dying process may still take a connection."""
+    """Connects to the robot and waits for its first state: a dying process may still accept a connection."""
     deadline = time.monotonic() + 30
     while time.monotonic() < deadline:
         try:
             reader = FrameReader(port)
             if reader.wait(lambda s: True, 1.0):
                 return reader
-        except OSError:  # nobody is there, or one who dies resets the connection
+        except OSError:  # nobody listens, or a dying process resets the connection
             time.sleep(0.02)
     raise AssertionError("no robot")
 
 
 def kill_robot():
-    """kill -9 of the virtual Raven's process, which the launch file starts again."""
+    """Kills (-9) the virtual Raven's process. The launch file starts it again."""
     uri = rospy.get_master().lookupNode("/virtual_raven")[2]
     os.kill(xmlrpc.client.ServerProxy(uri).getPid(rospy.get_name())[2], signal.SIGKILL)
 

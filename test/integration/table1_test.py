@@ -1,9 +1,8 @@
 #!/usr/bin/python3
-"""The three rows of Table 1 of Li et al. 2017 over real sockets, each with its outcome and the right answer to it:
-a sudden jump and the released pedal; a robot that no longer follows and its restart; a robot that is lost for good and
-the conversion without it.
+"""The three rows of Table 1 of Li et al. 2017 over real sockets, each with its outcome and the right reaction.
 
-The test is the console.
+A sudden jump: release the pedal. A robot that no longer follows: restart it. A robot that is lost for good: convert
+without it. The test is the console.
 """
 import math
 import threading
@@ -24,7 +23,7 @@ WAIT = 3.0  # [s] of the scenarios (run_rostest), after the first pedal-down of 
 
 
 class Console(threading.Thread):
-    """One packet about every millisecond: to and fro by 4 mm while it moves."""
+    """Sends a packet about every millisecond: to and fro by 4 mm while `moving` is set."""
 
     def __init__(self):
         super().__init__(daemon=True)
@@ -84,7 +83,7 @@ class Table1(unittest.TestCase):
         return math.sqrt(f.x * f.x + f.y * f.y + f.z * f.z) if f else 0.0
 
     def engage(self):
-        """Homed, pedal down, following, and nothing felt."""
+        """Waits for homing, presses the pedal and waits until the robot follows."""
         self.console.pedal, self.console.moving = 0, False
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP and s.homed, 60))
         time.sleep(0.3)
@@ -99,7 +98,7 @@ class Table1(unittest.TestCase):
         return max(abs(a - b) for a, b in zip(state.q[0][:2], start.q[0][:2]))
 
     def model_moves_and_the_robot_does_not(self):
-        """The command is given and, by what the robot reports, not followed."""
+        """The model moves, and the robot reports no motion."""
         here, joints = self.robot.states[-1], list(self.model.message.position)
         until(lambda: max(abs(a - b) for a, b in zip(joints, self.model.message.position)) > 0.01, 5,
               "the model does not follow the hand")
@@ -116,7 +115,7 @@ class Table1(unittest.TestCase):
         self.console.moving = False  # the hand is still: the robot alone moves
         until(lambda: self.newton() > 0.0, WAIT + 17, "the jump was never felt")
         self.assertNotEqual(self.robot.states[-1].runlevel, E_STOP)
-        # the right answer: the pedal
+        # the right reaction: release the pedal
         self.console.pedal = 0
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP), "the pedal did not stop it")
         until(lambda: self.newton() == 0.0, 1.0, "the force stayed")
@@ -127,11 +126,11 @@ class Table1(unittest.TestCase):
     def test_2_a_robot_that_no_longer_follows_comes_back_after_a_restart(self):
         self.engage()
         call("start_hazard", StartHazard, "unavailable_recoverable")
-        # 3 s after the first pedal-down, which is past: at once. The command is given and not followed.
-        until(lambda: self.robot.states[-1].active_fault != 0, WAIT + 10, "it never came")
+        # The fault is due 3 s after the first pedal-down, which is past: it begins at once.
+        until(lambda: self.robot.states[-1].active_fault != 0, WAIT + 10, "the fault never began")
         time.sleep(1.0)
         self.model_moves_and_the_robot_does_not()
-        # the right answer: stop, and start it again
+        # the right reaction: stop, and restart the robot
         self.console.moving, self.console.pedal = False, 0
         self.restart_robot()
         self.engage()
@@ -142,7 +141,7 @@ class Table1(unittest.TestCase):
         call("start_hazard", StartHazard, "unavailable_permanent")
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == E_STOP, WAIT + 25), "it never stopped")
         self.console.pedal, self.console.moving = 0, False
-        # once more, as the team would: it follows no better
+        # the team would press start once more: the robot still does not follow
         call("virtual_raven/press_start", Trigger)
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_UP), "the start button did nothing")
         time.sleep(0.3)
@@ -150,16 +149,16 @@ class Table1(unittest.TestCase):
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN), "never engaged")
         time.sleep(0.5)
         self.model_moves_and_the_robot_does_not()
-        # the right answer: convert. The robot is let go and stays where it is
+        # the right reaction: convert. The robot is disengaged and stays where it is
         self.console.pedal, self.console.moving = 0, False
         call("disengage", Trigger)
         gone = self.robot.wait(lambda s: s.runlevel in (PEDAL_UP, E_STOP))
         self.assertIsNotNone(gone, "the pedal did not stop it")
-        self.console.pedal = 1  # whoever steps on it by mistake
+        self.console.pedal = 1  # somebody steps on it by mistake
         self.assertIsNotNone(self.robot.wait(lambda s: s.cycle > gone.cycle + 1000))
         self.assertNotIn(PEDAL_DN, {s.runlevel for s in self.robot.states if s.cycle > gone.cycle + 5})
         self.console.pedal = 0
-        until(lambda: self.newton() == 0.0, 1.0, "a robot that is let go is not felt")
+        until(lambda: self.newton() == 0.0, 1.0, "a disengaged robot still causes a force")
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""What the tests of training share: clients of the daemon's modes and exercises."""
+"""Shared by the tests of training: clients of the daemon's modes and exercises."""
 import rospy
 from planning_clients import Newest, until
 from raven2_trainer.msg import ExerciseEventStamped, ExerciseProgress, TrainerMode
@@ -24,7 +24,7 @@ class Trainer:
         self._calls.update({name: rospy.ServiceProxy(name, SetBool) for name in SWITCHES})
 
     def call(self, name, *arguments):
-        """@return the answer in words: accepted, or why not."""
+        """@return the answer's text: accepted, or the reason why not."""
         answer = self._calls[name](*arguments)
         assert answer.success == (answer.message == "accepted" or name in ("engage", "disengage")), answer
         return answer.message

@@ -1,6 +1,6 @@
 #!/usr/bin/python3
-"""Modes, pedals as sensor_msgs/Joy, the real camera and the exercise's topics, over real sockets; the test is the console,
-the pedals and the camera."""
+"""Modes, pedals as sensor_msgs/Joy, the real camera and the exercise's topics, over real sockets. The test is the
+console, the pedals and the camera."""
 import os
 import signal
 import subprocess
@@ -26,11 +26,11 @@ import raven2_session  # noqa: E402
 MASTER_PORT, STATE_PORT = 27190, 27193
 PEDALS = ("planning", "simulation", "trial", "view", "camera", "tool_change", "stop")  # numbers of config/network.yaml
 SILENCE = 0.5  # s, config/network.yaml: joy/timeout, and config/render.yaml: real_camera/stale_after
-REAL, VIRTUAL = (64, 48), (160, 90)  # px: ours, and that of run_rostest
+REAL, VIRTUAL = (64, 48), (160, 90)  # px: of this test's camera, and of the renderer as run_rostest sets it
 
 
 class Repeater(threading.Thread):
-    """Publishes 20 times a second, as a driver does, while it is on. `make` gives the message."""
+    """Publishes 20 times a second, as a driver does, while it is on. `make` returns the message."""
 
     def __init__(self, topic, kind, make):
         super().__init__(daemon=True)
@@ -56,13 +56,13 @@ class View:
         self.seen.append((time.monotonic(), (picture.width, picture.height)))
 
     def await_size(self, size, seconds=5):
-        """@return when the first one of this size came, of those from now on."""
+        """@return when the next picture of this size came."""
         first = len(self.seen)
         return until(lambda: next((at for at, seen in self.seen[first:] if seen == size), None), seconds,
                      f"pictures of {size[0]} x {size[1]}")
 
     def sizes_within(self, seconds):
-        """Of the pictures in that time, five at least."""
+        """Sizes of the pictures of so many seconds, of at least five pictures."""
         first, end = len(self.seen), time.monotonic() + seconds
         until(lambda: time.monotonic() > end and len(self.seen) >= first + 5, 20, "five pictures")
         return {size for _, size in self.seen[first:]}
@@ -101,7 +101,7 @@ class TrainingModes(unittest.TestCase):
         self.trainer.await_mode("pedal_up")
 
     def stays(self, mode, seconds):
-        """Whether, once it has come, the mode is still there after so long."""
+        """Waits for the mode. @return whether it is still the same after so many seconds."""
         self.trainer.await_mode(mode)
         end = time.monotonic() + seconds
         while self.trainer.mode == mode and time.monotonic() < end:
@@ -175,13 +175,13 @@ class TrainingModes(unittest.TestCase):
         self.trainer.await_mode("pedal_up")
         self.tap("tool_change")
         self.tap("view")
-        until(lambda: self.trainer.modes.message.view == "real", 5, "the view is told")
+        until(lambda: self.trainer.modes.message.view == "real", 5, "the real view is published")
         self.tap("view")
-        until(lambda: self.trainer.modes.message.view == "virtual", 5, "the view is told")
+        until(lambda: self.trainer.modes.message.view == "virtual", 5, "the virtual view is published")
 
     def test_4_pedals_that_fall_silent_are_released(self):
         self.held.add("camera")
-        # A busy machine may keep our own messages back for so long, and then not again.
+        # A busy machine may delay our own messages for so long, so there are five attempts.
         self.assertTrue(any(self.stays("camera_moving", 1.0) for _ in range(5)), "held for longer than the silence that releases it")
         self.pedals.on = False
         self.trainer.await_mode("pedal_up")
@@ -189,7 +189,7 @@ class TrainingModes(unittest.TestCase):
         print(f"released {silent:.3f} s after the last message")
         self.assertGreater(silent, SILENCE - 0.01)
         self.assertLess(silent, SILENCE + 0.5)
-        self.pedals.on = True  # and it is held
+        self.pedals.on = True  # and the camera pedal is still held
         self.trainer.await_mode("camera_moving")
         self.held.clear()
         self.trainer.await_mode("pedal_up")
@@ -240,7 +240,7 @@ class TrainingModes(unittest.TestCase):
         self.assertEqual(self.trainer.call("start_exercise"), "not_now", "while the hand moves")
 
     def test_7_a_recorded_session_is_shown(self):
-        """The one that runs, as far as it is written."""
+        """The session that runs, as far as it is written."""
         running = newest_session("training_modes")
         refused = self.trainer.begin_replay("/dev")
         self.assertEqual((refused.success, refused.error_code), (False, 99999))
@@ -251,7 +251,7 @@ class TrainingModes(unittest.TestCase):
         self.trainer.await_mode("replaying")
         self.assertEqual(self.trainer.begin_replay(running).status, "not_now")
         time.sleep(0.5)
-        self.assertEqual(self.trainer.mode, "replaying", "and the other call did not end it")
+        self.assertEqual(self.trainer.mode, "replaying", "the refused call ended the replay")
         self.assertEqual(self.trainer.call("end_replay"), "accepted")
         self.trainer.await_mode("pedal_up")
 
@@ -271,7 +271,7 @@ class TrainingModes(unittest.TestCase):
             time.sleep(0.5)
             recorder.send_signal(signal.SIGINT)
             self.assertEqual(recorder.wait(20), 0)
-            until(lambda: os.path.exists(path), 20, "the bag is whole")  # its writer ends after the script that began it
+            until(lambda: os.path.exists(path), 20, "the bag is whole")  # its writer ends after the script
             with rosbag.Bag(path) as bag:
                 told = [(m.topic, m.message) for m in bag.read_messages()]
         heard = self.trainer.events.messages[begun:]
@@ -285,13 +285,13 @@ class TrainingModes(unittest.TestCase):
 
     @staticmethod
     def is_read_by(daemon, node):
-        """Do subscribers of that name have connections for modes, states and events?"""
+        """Whether subscribers of that name are connected for modes, states and events."""
         time.sleep(0.1)
         topics = {topic for _, name, _, _, topic, *_ in daemon.getBusInfo("/training_modes_test")[2] if name.startswith(node)}
         return topics >= {"/mode", "/exercise/state", "/exercise/events"}
 
     def check_events(self, log):
-        """Each event that was heard is the one of its number in the log, and none was missed."""
+        """Each received event equals the log's event of the same number. No event was missed."""
         numbers = [m.number for m in self.trainer.events.messages]
         self.assertEqual(numbers, list(range(numbers[0], numbers[0] + len(numbers))))
         kinds = log.names("exercise", "event.kind")

@@ -1,10 +1,10 @@
 #!/usr/bin/python3
-"""A virtual trial over real sockets, repeated on the robot: how near its tips come to what the model did, and how fast a
-released pedal ends it. The test is the console.
+"""A virtual trial over real sockets, repeated on the robot: how near the robot's tips come to the model's in the trial,
+and how fast a released pedal ends the repetition. The test is the console.
 
-The tips are compared at equal progress: in each tick of the repetition the robot's tip, by forward kinematics of the joints
-that it sent back, with the model's tip in that tick of the trial which the repetition had come to. Both from the session's
-log; the robot's state is as old as it was when the daemon used it, which counts against us.
+The tips are compared at equal progress, in each tick of the repetition. The robot's tip is forward kinematics of the
+joints that the robot sent. The model's tip is that of the trial's tick which the repetition had reached. Both come from
+the session's log. The robot's state is as old as it was when the daemon used it, which counts against us.
 """
 import itertools
 import os
@@ -27,8 +27,9 @@ MASTER_PORT, STATE_PORT = 27180, 27183
 BOTH = (0, 1)
 MEAN_LIMIT = 0.003  # m
 RELEASES = 3
-HOLD = 0.2  # s, config/execution.yaml: from where the arms stand to where the trial begins
-# um a packet of either arm, s: 20 mm/s around a square, across a clutch, back to where it began; there and back at 35 mm/s.
+HOLD = 0.2  # s, config/execution.yaml: hold_time, from the arms' place to the trial's start
+# Strokes: (gold um per packet, green um per packet, s). The two halves go around a square at 20 mm/s, with a clutch
+# between them, and end where they began. THERE and BACK go at 35 mm/s.
 FIRST_HALF = (((20, 0, 0), (20, 0, 0), 0.5), ((0, 20, 6), (0, -20, 6), 0.5))
 SECOND_HALF = (((-20, 0, 0), (-20, 0, 0), 0.5), ((0, -20, -6), (0, 20, -6), 0.5))
 THERE, BACK = (((25, 25, 0), (25, -25, 0), 0.7),), (((-25, -25, 0), (-25, 25, 0), 0.7),)
@@ -60,7 +61,7 @@ class VirtualTrial(unittest.TestCase):
         return engaged
 
     def move(self, strokes):
-        """With the pedal down, which goes up behind it."""
+        """Moves both arms with the pedal down, then releases the pedal."""
         self.console.pedal = 1
         self.trainer.await_mode("trial")
         for gold, green, seconds in strokes:
@@ -72,7 +73,7 @@ class VirtualTrial(unittest.TestCase):
         self.trainer.await_mode("trial_held")
 
     def trial(self, *halves):
-        """A whole one, a clutch between its halves. The robot rests."""
+        """A whole trial, with a clutch between its halves. The robot rests."""
         stood = self.robot.states[-1]
         first = len(self.robot.states)
         self.assertEqual(self.trainer.call("begin_trial"), "accepted")
@@ -85,7 +86,7 @@ class VirtualTrial(unittest.TestCase):
         self.assertFalse(any(differ(s, stood, BOTH) for s in self.robot.states[first:]), "the robot moved")
 
     def repeat(self, on_robot=True):
-        """Armed. @return number of the execution."""
+        """Asks for a repetition and waits until it is armed. @return number of the execution."""
         answer = self.trainer.repeat_trial(on_robot=on_robot)
         self.assertEqual((answer.success, answer.status, answer.error_code), (True, "accepted", SUCCESS))
         self.trainer.await_mode("armed", 10)
@@ -93,7 +94,7 @@ class VirtualTrial(unittest.TestCase):
 
     @staticmethod
     def tip_errors(log, report):
-        """Of a repetition, by arm: [m] distance of the robot's tip from the model's in the trial, tick by tick."""
+        """@return [m] the robot's tip from the model's in the trial, by tick and arm; the trial's span by arm."""
         model, robot = log.ticks["model"], log.ticks["robot"]
         modes = log.names("tick", "model.mode")
         before = model["tick"] < report.started
@@ -104,7 +105,7 @@ class VirtualTrial(unittest.TestCase):
         progress = model["planning"]["progress"]
         led = (model["tick"] >= report.started) & (model["tick"] < report.ended) & (progress > 0.0) & (progress < 1.0)
         place = np.minimum((progress[led] * len(tape)).astype(int), len(tape) - 1)
-        assert len(place) > 0.8 * len(tape), "the repetition was not looked at"
+        assert len(place) > 0.8 * len(tape), "the log has too few ticks of the repetition"
         return np.linalg.norm(robot["arms"]["p_BT"][led] - tape[place], axis=2), np.linalg.norm(np.ptp(tape, axis=0), axis=1)
 
     def test_1_the_robot_does_what_the_model_did(self):
@@ -118,7 +119,7 @@ class VirtualTrial(unittest.TestCase):
         self.assertEqual((report.end, report.error_code), ("finished", SUCCESS))
         self.assertEqual((report.plan, report.on_robot, report.progress), (0, True, 1.0))
         self.assertLess(report.robot_error_mean, MEAN_LIMIT)
-        self.assertGreater(report.robot_error_largest, 0.0, "the robot's tip was looked at")
+        self.assertGreater(report.robot_error_largest, 0.0, "the report covers the robot's tip")
         self.console.release()
         time.sleep(0.5)  # the recorder writes 20 times a second
         errors, spans = self.tip_errors(raven2_session.Session(newest_session("virtual_trial")).log, report)
@@ -133,7 +134,7 @@ class VirtualTrial(unittest.TestCase):
         stops_of(self, lambda k: self.release_at(0.3 + 0.2 * k, next(strokes)), RELEASES, "virtual_trial", BOTH)
 
     def release_at(self, share, strokes):
-        """The pedal goes up on the way, in motion, about this share of it done. @return as of stops_of()."""
+        """Releases the pedal in motion, about this share of the path done. @return as for stops_of()."""
         self.trial(strokes)
         number = self.repeat()
         far = self.press().cycle + int(1000 * (HOLD + share * strokes[0][2]))
@@ -172,7 +173,7 @@ class VirtualTrial(unittest.TestCase):
         self.assertEqual(self.trainer.call("begin_trial"), "accepted")
         self.assertEqual(self.trainer.call("begin_trial"), "not_now")
         self.assertEqual(self.trainer.call("end_trial"), "accepted")
-        self.assertEqual(self.trainer.repeat_trial(on_robot=True).status, "no_plan", "an empty one")
+        self.assertEqual(self.trainer.repeat_trial(on_robot=True).status, "no_plan", "the trial is empty")
         self.assertEqual(self.trainer.call("discard_trial"), "accepted")
         self.trainer.await_mode("pedal_up")
 

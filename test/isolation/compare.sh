@@ -1,5 +1,5 @@
 #!/bin/sh
-# compare.sh PROGRAM PROGRAM RESULT.xml: both must print the same line, and one at all.
+# compare.sh PROGRAM PROGRAM RESULT.xml: both must print the same line, which must not be empty.
 first=$("$1") && second=$("$2") && [ -n "$first" ] && [ "$first" = "$second" ]
 status=$?
 echo "$first $second"

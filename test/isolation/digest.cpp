@@ -1,5 +1,5 @@
-// Prints a digest of some seconds of console, daemon and virtual Raven in lockstep with nothing armed. Built twice,
-// with and without the hooks of fault injection: both must print the same.
+// Prints a digest of some seconds of console, daemon and virtual Raven in lockstep without an armed fault. Built twice,
+// with and without the hooks of fault injection: both programs must print the same digest.
 
 #include <cstdio>
 #include <cstring>

@@ -1,7 +1,7 @@
-// A small control program in the manner of raven2's r2_control, which knows nothing of faults: opens two board files,
-// clears them, then steps as it is told on stdin. `cycle N`: N times both boards are read, a packet is received if one
-// is there, commands are made from the counts and written. `wait`: one packet is waited for, as raven2's network thread
-// does. `look`: both boards are opened and closed once more. It prints what its calls gave it, a line a cycle.
+// A small control program like raven2's r2_control, without any knowledge of faults. It opens two board files, clears
+// them, then obeys commands on stdin. `cycle N`: N times it reads both boards, receives a packet if there is one, makes
+// commands from the counts and writes them. `wait`: it waits for one packet, as raven2's network thread does. `look`:
+// it opens and closes both boards once more. It prints the results of its calls, one line for each cycle.
 //
 //   usb_control_loop GOLD GREEN PORT
 
@@ -61,12 +61,12 @@ std::string hex(const std::uint8_t* bytes, std::size_t size) {
   return text.empty() ? "-" : text;
 }
 
-/** raven2 USB_init.cpp: what a failed call gives is its negative error. */
+/** raven2 USB_init.cpp: a failed call returns its negative error. */
 long orError(ssize_t result) {
   return result < 0 ? -errno : static_cast<long>(result);
 }
 
-/** Count or no count of a packet of encoders; of others, and of none, the old counts stay. */
+/** Takes pins and counts from a packet of encoders. After another packet or a failed read the old values stay. */
 void take(Board* board, long result) {
   if (result != static_cast<long>(kIn) || board->in[0] != 0x03 || board->in[1] != kChannels) return;
   board->pins = board->in[2];
@@ -77,7 +77,7 @@ void take(Board* board, long result) {
   }
 }
 
-/** Commands within +-2500, and the run level of the boards' pins on the program's own. */
+/** Makes commands within +-2500 from the counts, and puts the run level of the boards' pins on the output pins. */
 void command(Board* board, std::uint8_t level) {
   board->out[0] = 0x06;
   board->out[1] = kChannels;
@@ -89,7 +89,7 @@ void command(Board* board, std::uint8_t level) {
   board->out[kOut - 1] = level;
 }
 
-/** For who counts the size while it runs the compiler calls the checked forms of read and recvfrom. */
+/** Hides the size from the compiler, so that it calls the checked forms of read and recvfrom. */
 std::size_t atRunTime(std::size_t size) {
   volatile std::size_t hidden = size;
   return hidden;
@@ -142,7 +142,7 @@ int openBoard(const char* path, Board* board) {
   return orError(write(board->descriptor, zeros.data(), zeros.size())) == static_cast<long>(kOut) ? 0 : 1;
 }
 
-/** As a program does that asks, beside its work, whether the boards are there. */
+/** Opens and closes a board, like a program that checks whether the boards are present. */
 void look(const char* path) {
   const int descriptor = open(path, O_RDONLY | O_NONBLOCK | O_NOCTTY);
   std::printf("%s\n", descriptor >= 0 && close(descriptor) == 0 ? "there" : "not there");

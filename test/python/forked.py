@@ -1,6 +1,6 @@
-"""Runs a script of ours as `/usr/bin/python3 SCRIPT ARGUMENTS` does, in a process of its own, but with the modules that
-the tests have already loaded: matplotlib alone takes half a second. At least one test of each script starts it plainly,
-which shows that it finds its modules itself."""
+"""Runs a script of ours in a separate process, as `/usr/bin/python3 SCRIPT ARGUMENTS` does, but with the modules that
+the tests have already loaded: matplotlib alone takes half a second. At least one test of each script starts it plainly.
+That test shows that the script finds its modules itself."""
 import os
 import runpy
 import subprocess
@@ -12,7 +12,7 @@ import traceback
 def _become(script, arguments, out, err):
     for number, file in ((0, open(os.devnull, "rb")), (1, out), (2, err)):
         os.dup2(file.fileno(), number)
-    sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")  # pytest has put its own there
+    sys.stdin, sys.stdout, sys.stderr = open(0), open(1, "w"), open(2, "w")  # pytest replaced them
     sys.argv = [script, *arguments]
     sys.path.insert(0, os.path.dirname(os.path.realpath(script)))
     try:
@@ -25,7 +25,7 @@ def _become(script, arguments, out, err):
 
 
 def run(script, *arguments):
-    """As subprocess.run() with captured text."""
+    """Returns what subprocess.run() returns, with captured text."""
     arguments = [os.fspath(argument) for argument in arguments]
     with tempfile.TemporaryFile("w+") as out, tempfile.TemporaryFile("w+") as err:
         child = os.fork()

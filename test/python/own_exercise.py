@@ -1,8 +1,9 @@
-"""An exercise of a test's own: what scripted strokes about the middle of the FRS scene do anyhow."""
+"""An exercise for tests. Scripted strokes about the middle of the FRS scene complete its steps."""
 
 
 def exercise(name, steps, metrics, drill=None):
-    """Its file. @param steps (name, arm, dwell [s]) of each: that arm's tip near the middle for so long."""
+    """Returns the exercise's file. @param steps (name, arm, dwell [s]): each keeps that arm's tip near the middle for
+    the dwell time."""
     lines = "".join(f"      - {{name: {step}, until: [{{tip_near: middle, arm: {arm}, within: 0.3}}], dwell: {dwell}}}\n"
                     for step, arm, dwell in steps)
     return f"""

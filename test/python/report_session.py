@@ -1,4 +1,4 @@
-"""Sessions made by hand for the tests of the report: a log with an exercise in it, and a score.json of the same."""
+"""Sessions made by hand for the tests of the report: a log with an exercise in it, and the score.json of that log."""
 import json
 import pathlib
 import shutil
@@ -88,7 +88,7 @@ def score(passed=False, improve=("wire_touches", "path"), status="done", failure
 
 
 def make(folder, scored=None, start="2026-01-01T10:00:00Z", **header):
-    """A session directory; `scored`: content of its score.json, none without."""
+    """Makes a session directory. `scored` is the content of its score.json; without it, there is no score.json."""
     folder.mkdir(parents=True, exist_ok=True)
     (folder / "session.rlog").write_bytes(data(**header))
     (folder / "meta.json").write_text(json.dumps({"start_time_utc": start}))

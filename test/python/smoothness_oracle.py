@@ -1,4 +1,4 @@
-"""Smoothness of a row of speeds by the published definitions, with numpy: what tests hold the programs' figures against.
+"""Smoothness of a row of speeds by the published definitions, with numpy: tests compare the programs' figures with it.
 
 SPARC as in Balasubramanian et al. 2015 (its siva82kb/SPARC, scripts/smoothness.py), dimensionless jerk likewise.
 """

@@ -1,5 +1,5 @@
-"""The packaged bands: each exercise has one for all that it scores; the expert passes by it with seeds that it was not
-made of, and clumsy hands fail where their exercise says they would."""
+"""The packaged bands. The band of each exercise has every metric that the exercise scores. The expert passes with seeds
+from which no band was made. A clumsy surgeon fails where its exercise expects it."""
 import concurrent.futures
 import json
 import os
@@ -13,16 +13,16 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 SIMULATE = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer/simulate"
 EXERCISES = {path.stem: yaml.safe_load(path.read_text()) for path in sorted((ROOT / "config/exercises").glob("*.yaml"))}
 IS_FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
-SEEDS = range(1, 21) if IS_FULL else [1]  # bands are made of 1001 to 1020
+SEEDS = range(1, 21) if IS_FULL else [1]  # bands are made from seeds 1001 to 1020
 RATE = 0.95
-SHORT = ["camera_clutch", "retrieve_and_reach"]  # of a quarter of a minute each
+SHORT = ["camera_clutch", "retrieve_and_reach"]  # a quarter of a minute each
 TRIED = list(EXERCISES) if IS_FULL else SHORT
 
 is_built = pytest.mark.skipif(not SIMULATE.exists(), reason="simulate is not built")
 
 
 def attempt(folder, exercise, motion, seed):
-    """Its first attempt, as scored."""
+    """Returns the scored first attempt of a session."""
     output = folder / f"{exercise}_{motion.replace(':', '_')}_{seed}"
     done = subprocess.run([SIMULATE, "--exercise", exercise, "--drill", "none", "--motion", motion, "--seed", str(seed),
                            "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
@@ -40,7 +40,7 @@ def failed(scored):
 @pytest.mark.parametrize("exercise", EXERCISES)
 def test_every_scored_metric_has_its_place_in_the_band(exercise):
     band = yaml.safe_load((ROOT / f"config/bands/{exercise}.yaml").read_text())
-    assert "not surgeons" in band["origin"], "who reads a score must know who the expert was"
+    assert "not surgeons" in band["origin"], "a reader of a score must know who the expert was"
     assert band["sessions"] >= 19, "of 20 seeds"
     assert set(EXERCISES[exercise]["metrics"]) <= set(band["metrics"])
 
@@ -55,7 +55,7 @@ def test_the_expert_passes(exercise, tmp_path):
     assert passed >= RATE * len(tried)
 
 
-# What a clumsy hand is expected to do, as a metric of its score.
+# Metric of the score for each mistake that an exercise expects of a clumsy surgeon.
 METRIC_OF = {"drop": "drops", "wire_touch": "wire_touches", "collision": "collisions", "out_of_order": "out_of_order",
              "wrong_arm": "wrong_arm", "break_off": "break_offs"}
 
@@ -70,6 +70,6 @@ def test_clumsy_hands_fail_for_the_right_reason(exercise, tmp_path):
         if kind == "fail":
             assert (scored["status"], scored["failure"]) == ("failed", what), name
         elif scored["failure"] == "time_limit" and what == "time":
-            continue  # nothing slower can be told
+            continue  # the attempt ended at the time limit: no longer time is possible
         else:
             assert (METRIC_OF[what] if kind == "mistake" else what) in failed(scored), name

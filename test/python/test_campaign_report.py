@@ -1,4 +1,4 @@
-"""scripts/campaign_report: what it counts, what it demands an explanation for."""
+"""scripts/campaign_report: which runs it counts, and which rows need an explanation."""
 import csv
 import json
 import pathlib
@@ -52,7 +52,7 @@ def verdicts(page):
 
 
 def two_scenarios(folder):
-    """The second differs from what was published in one of its two runs."""
+    """One of the two runs of the second scenario differs from the published outcome."""
     rows = [{"scenario": "a", "injection": 1, "outcome": "estop", "estop": "plc", "estop_ms": 200, "reported": 0}] * 3
     rows += [{"scenario": "b", "injection": 2, "outcome": outcome} for outcome in ("masked", "unsafe_jump")]
     write(folder, [scenario("a", 1, 3, ["estop"]), scenario("b", 2, 2, ["masked"])], rows)
@@ -65,7 +65,7 @@ def test_a_row_that_differs_needs_an_explanation(tmp_path):
     assert verdicts(page) == ["agrees", "UNEXPLAINED"]
     explained = tmp_path / "why.yaml"
     explained.write_text("b/pedal_down: {allowed: [estop], why: one motor of ours is weaker}\n")
-    assert report(tmp_path, "--explained", str(explained))[0] == 1, "an estop would be, a jump is not"
+    assert report(tmp_path, "--explained", str(explained))[0] == 1, "the note explains an estop, not a jump"
     explained.write_text("b/pedal_down: {allowed: [unsafe_jump], why: one motor of ours is weaker}\n")
     code, _, page = report(tmp_path, "--explained", str(explained))
     assert code == 0 and verdicts(page) == ["agrees", "explained"]
@@ -89,7 +89,7 @@ def test_what_was_published_is_that_of_the_run_s_own_scenario(tmp_path):
             for phase, outcome in (("homing", "no_motion"), ("pedal_down", "estop"))]
     write(tmp_path, [scenario("a", 1, 1, ["estop"]), scenario("a", 1, 1, ["no_motion"])], rows)
     _, _, page = report(tmp_path)
-    assert verdicts(page) == ["UNEXPLAINED"] and "0 of 2" in page, "each has what the other should have"
+    assert verdicts(page) == ["UNEXPLAINED"] and "0 of 2" in page, "each run has the outcome published for the other"
 
 
 def test_a_grid_of_values_and_durations_is_drawn(tmp_path):
@@ -109,7 +109,7 @@ def test_scenarios_of_one_row_of_the_library_are_one_grid(tmp_path):
             for value in (1, 2, 3, 4) for duration in (1, 2, 4)]
     write(tmp_path, [scenario("low", 0, 6, []), scenario("high", 0, 6, [])], rows)
     code, _, page = report(tmp_path)
-    assert code == 0 and page.count("<img") == 2, "neither has three values of its own"
+    assert code == 0 and page.count("<img") == 2, "each scenario alone has only two values"
     cells = [re.sub("<[^>]*>", " ", line).split() for line in page.split("<h2>Windows")[1].split("<tr>")[2:6]]
     assert [c[2:7] for c in cells] == [["1", "3", "–", "–", "–"], ["2", "3", "4", "4", "–"], ["3", "3", "2", "2", "–"],
                                        ["4", "3", "2", "2", "–"]]
@@ -156,7 +156,7 @@ def test_a_fault_that_never_acted_fails_the_campaign_whatever_was_published(tmp_
     write(tmp_path, [scenario("a", 0, 3, [])], rows)
     code, said, page = report(tmp_path)
     assert code == 1 and "1 runs in which the fault never acted: 2" in said
-    assert "1 runs in which the fault never acted: 2" in page, "it is written all the same"
+    assert "1 runs in which the fault never acted: 2" in page, "the page is written although the campaign failed"
 
 
 def test_a_run_without_an_outcome_fails_the_campaign(tmp_path):
@@ -189,7 +189,7 @@ def test_a_table_that_lost_or_doubled_rows_is_refused(tmp_path):
     identity = json.loads((tmp_path / "campaign.json").read_text())
     (tmp_path / "campaign.json").write_text(json.dumps(identity | {"shards": 2, "runs": 8}))
     table.write_text("".join(lines))
-    assert "expected" not in report(tmp_path)[1], "a shard has a part of them"
+    assert "expected" not in report(tmp_path)[1], "a shard has only some of the runs"
 
 
 def test_rows_of_the_library_are_compared_where_the_published_table_has_none(tmp_path):

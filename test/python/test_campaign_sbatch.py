@@ -1,4 +1,4 @@
-"""scripts/campaign.sbatch: which shard of how many a task makes, without Slurm."""
+"""scripts/campaign.sbatch, without Slurm: which shard of how many a task makes."""
 import os
 import pathlib
 import subprocess
@@ -7,7 +7,7 @@ SCRIPT = pathlib.Path(__file__).resolve().parents[2] / "scripts" / "campaign.sba
 
 
 def task(tmp_path, *arguments, number="2", cpus=None):
-    """Runs it with a program in run_campaign's place that prints its arguments."""
+    """Runs the script with `echo` in place of run_campaign, to print the arguments."""
     environment = {k: v for k, v in os.environ.items() if not k.startswith("SLURM_")}
     environment["RAVEN2_RUN_CAMPAIGN"] = "echo"
     if number is not None:

@@ -1,4 +1,4 @@
-"""Tests of scripts/compare_replay and, through it, of virtual_raven --replay: against a trace worked out here from the
+"""Tests of scripts/compare_replay and, through it, of virtual_raven --replay: against a trace computed here from the
 published axis map and increments, and against the recording of the real software where RAVEN2_TRAINER_DATA names the
 folder that holds it.
 """
@@ -113,7 +113,7 @@ def recorded_rows():
 
 
 def compared(tmp_path, rows, column, shift, capsys):
-    """Names of what differs if a column is shifted in some rows behind a pedal-down."""
+    """Returns the names of the differences if a column is shifted in some rows after a pedal-down."""
     write(tmp_path / "real.csv", HEADER, rows)
     index = HEADER.index(column)
     write(tmp_path / "ours.csv", HEADER, [change(row, column, f"{float(row[index]) + shift:.6f}")
@@ -143,7 +143,7 @@ def test_either_arm_is_compared_in_every_column_and_to_both_sides(tmp_path, reco
     for k in range(9):
         assert f"rotation of ori_d {name}" in compared(tmp_path, recorded, f"ori_d{9 * arm + k}", 0.01 * sign, capsys)
     assert compared(tmp_path, recorded, f"grasp_d{arm}", 0.001 * sign, capsys) == [f"grasp_d {name}"]
-    for k in (0, 1, 2, 4, 5, 6, 7):  # the fourth is no joint
+    for k in (0, 1, 2, 4, 5, 6, 7):  # the fourth value is not a joint
         assert compared(tmp_path, recorded, f"jpos_d{8 * arm + k}", 0.5 * sign, capsys) == [joints], k
     assert compared(tmp_path, recorded, f"jpos_d{8 * arm + 3}", 0.5 * sign, capsys) == []
 
@@ -183,8 +183,8 @@ MAP = (np.array([[0, 0, -1], [-1, 0, 0], [0, 1, 0]]), np.array([[0, 0, -1], [1, 
 
 
 def trace_and_expectation():
-    """Increments on both arms, with a duplicate, a gap, a short and a long datagram and a numbering reset; and what
-    the published rules make of them, in the columns that can be worked out without a robot."""
+    """Returns increments of both arms, with a duplicate, a gap, a short and a long datagram and a numbering reset. Also
+    returns the rows that the published rules give, in the columns that can be computed without a robot."""
     rng = np.random.default_rng(3)
     packets, expected = [], []
     last, used = 0, 111
@@ -194,7 +194,7 @@ def trace_and_expectation():
         if k == 300:
             number = 300                      # duplicate
         if 400 <= k < 1500:
-            number = k + 11                   # a gap: the packet behind it is lost too
+            number = k + 11                   # a gap: the robot drops the packet after it, too
         if k == 450:
             size = 123
         if k == 470:
@@ -221,7 +221,7 @@ def trace_and_expectation():
 def test_replay_follows_the_published_rules(tmp_path):
     packets, expected = trace_and_expectation()
     write(tmp_path / "in.csv.gz", ITP, packets)
-    os.rename(tmp_path / "in.csv.gz", tmp_path / "in.csv")  # told by content, not by name
+    os.rename(tmp_path / "in.csv.gz", tmp_path / "in.csv")  # gzip is recognised by content, not by name
     write(tmp_path / "real.csv", HEADER, expected)
     subprocess.run([PROGRAM, "--replay", tmp_path / "in.csv", "--output", tmp_path / "out.csv.gz", "--skip-homing"],
                    check=True, capture_output=True)

@@ -1,4 +1,4 @@
-"""The committed URDFs, meshes and roles are what their parametric source gives; what is made by hand is left alone."""
+"""The committed URDFs, meshes and roles equal the output of their parametric source. Files made by hand are kept."""
 
 import pathlib
 import shutil
@@ -21,7 +21,7 @@ def run(root, *arguments):
 
 @pytest.fixture
 def package(tmp_path):
-    """What the script reads, and nothing that it wrote."""
+    """A package with the files that the script reads, without the files that it writes."""
     for name in SOURCES:
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (shutil.copytree if (ROOT / name).is_dir() else shutil.copy)(ROOT / name, tmp_path / name)

@@ -1,4 +1,4 @@
-"""scripts/doctor: what each check finds in surroundings that are made here, and that it says what to do."""
+"""scripts/doctor: each check reports the faults of an environment made here, and says what to do about them."""
 
 import errno
 import json
@@ -196,7 +196,7 @@ def test_a_name_of_this_computer_that_does_not_resolve_is_found(here, monkeypatc
 
 @pytest.fixture
 def answering():
-    """Something that answers getPid, on a port of its own."""
+    """Port of a server that answers getPid."""
     with xmlrpc.server.SimpleXMLRPCServer(("127.0.0.1", 0), logRequests=False) as server:
         server.register_function(lambda caller: (1, "", 4711), "getPid")
         thread = threading.Thread(target=server.serve_forever)
@@ -297,7 +297,7 @@ def test_a_port_that_is_refused_is_not_held_by_anybody(here, place, monkeypatch,
 def test_a_session_that_runs_is_no_failure(monkeypatch):
     monkeypatch.setattr(links, "holder", lambda kind, port: ("virtual_raven", 12))
     assert links.held("state_port", "tcp", 1).status == WARN
-    monkeypatch.setattr(links, "holder", lambda kind, port: ("raven_state_bri", 12))  # as the kernel cuts it
+    monkeypatch.setattr(links, "holder", lambda kind, port: ("raven_state_bri", 12))  # the kernel shortens the name
     assert links.held("state_port", "tcp", 1).status == WARN
     monkeypatch.setattr(links, "holder", lambda kind, port: None)
     assert links.held("state_port", "tcp", 1).status == FAIL
@@ -356,7 +356,7 @@ def test_space_for_sessions(here, monkeypatch, free, status):
 
 
 def test_space_for_sessions_of_launch_files(here, place, monkeypatch):
-    """On a disk of its own, which is full; the folder is theirs."""
+    """The home folder is on another disk, which is full. The launch files name the folder that the check names."""
     here.environ["HOME"] = str(place / "home")
     (place / "home").mkdir()
     monkeypatch.setattr(machine, "space", lambda folder: 0 if folder == place / "home" else 50e9)
@@ -411,7 +411,7 @@ def doctor(*arguments, **environment):
 
 
 def test_everything_is_looked_at_and_every_trouble_has_a_remedy(place):
-    """A poor place: nothing built, another Python, no master, a configuration without ports."""
+    """A bad environment: nothing is built, another Python, no ROS master, a configuration without ports."""
     (place / "config/network.yaml").unlink(missing_ok=True)
     script(place / "bin/python3", "exit 1\n")
     result = doctor("--json", "--config", place / "config/trainer.yaml", PATH=f"{place}/bin:{SYSTEM}", ROS_IP="192.0.2.1",

@@ -1,6 +1,6 @@
-"""README, doc/*.md and the tutorials name what there is: programs, their options, files, topics, services, arguments of launch
-files, scenarios; and doc/interfaces.md names all of it. Options are those of --help where the programs are built, of the
-sources else."""
+"""All programs, options, files, topics, services, arguments of launch files and scenarios that README, doc/*.md and the
+tutorials name exist. doc/interfaces.md names all of them. The options come from --help where the programs are built,
+otherwise from the sources."""
 
 import collections
 import os
@@ -19,11 +19,11 @@ import test_ros_master  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 PAGES = sorted([*ROOT.glob("*.md"), *ROOT.glob("doc/*.md"), *ROOT.glob("doc/tutorials/*.md"), ROOT / "urdf/README.md"])
-TALKED = [page for page in PAGES if page.name != "CHANGELOG.md"]  # which tells of what is gone, too
-# Of tools that are not ours, named alone in a text.
+TALKED = [page for page in PAGES if page.name != "CHANGELOG.md"]  # CHANGELOG.md also names what was removed
+# Options of tools that are not ours, named in a text without the tool.
 FOREIGN_OPTIONS = {"--array", "--constraint", "--gtest_filter", "--preset", "--build", "--test-dir", "--core"}
 SEPARATORS = re.compile(r"\|\||&&|[|;&()]|\$\(")
-# Options whose value is the name of a file of config.
+# Options whose value is the name of a file in a folder of config.
 FOLDERS = {"exercise": "exercises", "drill": "faults", "hazard": "faults", "impair": "impairments", "curriculum": "curricula",
            "profile": "impairments", "back-profile": "impairments"}
 NO_FILE = {"none", "own"}
@@ -34,7 +34,7 @@ def sources(pattern):
 
 
 def programs():
-    """In C++, by CMakeLists.txt."""
+    """Names of the C++ programs in CMakeLists.txt."""
     return set(re.findall(r"^raven2_program\((\w+)", (ROOT / "CMakeLists.txt").read_text(encoding="utf-8"), re.M))
 
 
@@ -43,7 +43,7 @@ def scripts():
 
 
 def options_of(program, cache={}):
-    """Of a program or script, from what it tells of itself."""
+    """Options from a script's source, or from a program's --help or, where it is not built, its source."""
     if program not in cache:
         if program in scripts():
             text = (ROOT / "scripts" / program).read_text(encoding="utf-8") + " --help"
@@ -57,14 +57,14 @@ def options_of(program, cache={}):
 
 
 def spans(lines, first):
-    """[(line, text)] of the code spans of a paragraph, which may go on in the next line."""
+    """[(line, text)] of the code spans of a paragraph. A span may continue in the next line."""
     text = "\n".join(lines)
     return [(first + text.count("\n", 0, match.start()), match.group(1).replace("\n", " "))
             for match in re.finditer(r"`([^`]+)`", text)]
 
 
 def pieces(page):
-    """[(line, text)]: each line of a fenced block, lines that end in a backslash with the next; each code span."""
+    """[(line, text)]: code spans, and lines of fenced blocks. A line that ends in a backslash includes the next."""
     paragraph, inside, begun = [], False, ""
     for number, line in enumerate([*page.read_text(encoding="utf-8").split("\n"), ""], 1):
         is_fence = bool(re.match(r" *```", line))
@@ -84,12 +84,12 @@ def pieces(page):
 def words(command):
     try:
         return shlex.split(command, comments=True)
-    except ValueError:  # a quotation that goes on in the next line, an apostrophe
+    except ValueError:  # a quotation that continues in the next line, or an apostrophe
         return command.split()
 
 
 def commands(page):
-    """[(line, program, [word])] of our programs and scripts, wherever they are typed."""
+    """[(line, program, [word])] of each command in a page that starts one of our programs or scripts."""
     ours = programs() | scripts()
     for number, text in pieces(page):
         for part in SEPARATORS.split(text):
@@ -163,7 +163,7 @@ def test_files_that_are_named_are_there():
 
 
 def test_keys_of_configuration_that_are_named_are_there():
-    """`live: slowest` in `config/render.yaml`: the span's first word is a key of that file."""
+    """Example: in "`live: slowest` in `config/render.yaml`", `live` must be a key of that file."""
     said = re.compile(r"`([a-z_0-9]+)(?:[:/][^`]*)?` (?:in|of|from) `(?:config/)?([a-z_]+\.yaml)`")
     found = [(page.name, *match) for page in TALKED
              for match in said.findall(page.read_text(encoding="utf-8").replace("\n", " "))]
@@ -181,7 +181,7 @@ def test_commands_of_promises_are_there():
 
 
 def test_sections_of_the_robot_s_facts_that_comments_cite_are_there():
-    """`raven2.md 3.1, 6.2` in code, configuration and pages: each has a heading in doc/raven2.md."""
+    """Each number of a citation such as `raven2.md 3.1, 6.2` is a heading of doc/raven2.md."""
     headings = set(re.findall(r"^#+ (\d(?:\.\d)?) ", (ROOT / "doc/raven2.md").read_text(encoding="utf-8"), re.M))
     cited = collections.defaultdict(list)
     for folder in ("config", "doc", "include", "meshes", "scripts", "src", "test", "urdf"):
@@ -195,7 +195,7 @@ def test_sections_of_the_robot_s_facts_that_comments_cite_are_there():
 
 
 def test_headers_that_are_named_are_there():
-    """As #include has them: core/frames.h."""
+    """Headers are named as in #include: core/frames.h."""
     found = [(place(page, number), text) for page in TALKED for number, text in pieces(page)
              if re.fullmatch(r"(?!include/|src/|test/)[a-z0-9_]+/[a-z0-9_]+\.h", text)]
     assert len(found) > 10
@@ -207,7 +207,7 @@ DAEMON = ("ROS: topics of the daemon", "ROS: services and the action of the daem
 
 
 def known_of_daemon():
-    """Names on doc/interfaces.md: in tables, what is heard, and the action."""
+    """Names on doc/interfaces.md: in the tables, after "Heard:" (subscribed topics), and the action."""
     names = set().union(*(interface_page.names(title) for title in DAEMON))
     topics, services = map(interface_page.section, DAEMON)
     heard = topics[topics.index("\nHeard: "):].replace("\n", " ")
@@ -226,7 +226,7 @@ def test_topics_and_services_that_are_called_are_there():
 
 
 def test_the_page_of_interfaces_names_what_the_running_daemon_has_and_nothing_else():
-    """test_ros_master holds the running daemon to these."""
+    """test_ros_master compares the running daemon with these lists."""
     running = test_ros_master.DAEMON_TOPICS | test_ros_master.DAEMON_HEARS | test_ros_master.DAEMON_SERVICES
     running = {name for name in running if not name.startswith(("/move_arm/", "/raven2_simulator/"))} | {"/move_arm"}
     assert interface_page.unknown(known_of_daemon(), running) == []
@@ -247,7 +247,7 @@ def test_the_page_of_interfaces_names_every_program():
 
 
 def test_the_page_of_interfaces_tells_where_a_script_is():
-    """Before the semicolon those that are installed, all of them; behind it those of the source tree alone."""
+    """The sentence lists all installed scripts before the semicolon, and scripts of the source tree after it."""
     text = interface_page.section("Programs")
     sentence = text[text.index("\nScripts that a user starts"):text.index(" in the source tree alone")]
     installed, others = (set(re.findall(r"`([\w.]+)`", half)) for half in sentence.split(" or by `rosrun`: ")[1].split("; and "))
@@ -264,7 +264,7 @@ def test_the_page_of_interfaces_names_parameters_and_descriptions():
 
 
 def test_scripts_with_a_verdict_have_it_on_the_page_of_interfaces():
-    """Installed ones whose status 1 is a result and no error."""
+    """Exit status 1 of these installed scripts is a result, not an error."""
     told = " ".join(cells[1] for cells in interface_page.rows("Exit codes") if cells[0] == "1")
     for name in ("doctor", "campaign_report", "compare_replay"):
         assert f"`{name}`" in told, name
@@ -297,7 +297,7 @@ def types_of_interfaces():
 
 
 def types_of_code():
-    """{name: type} of topics and services that the daemon's sources name beside their type."""
+    """{name: type} of the topics and services that the daemon's sources advertise by name."""
     text = sources("src/ros/*/*.cpp") + sources("src/ros/*/*.h")
     told = {name: kind for kind, name in re.findall(r'advertise<(?:\w+::)?(\w+)>\(\s*"(/?\w[\w/]*)"', text)}
     for name, method in re.findall(r'advertiseService\(\s*"([\w/]+)", &\w+::(\w+)', text):
@@ -309,12 +309,13 @@ def types_of_code():
 def test_types_on_the_page_of_interfaces_are_those_of_the_code():
     known, code = types_of_interfaces(), types_of_code()
     assert len(code) > 25 and code["plan"] == "PlanPath" and code["/tf"] == "TFMessage"
-    own = {name: kind for name, kind in code.items() if known[name]}  # the others' cells are "as of" another one's
+    own = {name: kind for name, kind in code.items() if known[name]}  # the other cells refer to another row
     assert len(own) > 25 and {name: kind for name, kind in own.items() if kind not in known[name]} == {}
 
 
 def types_that_are_told(page):
-    """[(line, name, type)]: in tables, whose first column has names and another one a type, and `name` (package/Type) in a text."""
+    """[(line, name, type)] of tables, which have names in the first column and a type in another one, and of
+    `name` (package/Type) in a text."""
     for number, line in enumerate(page.read_text(encoding="utf-8").split("\n"), 1):
         names = re.findall(r"`([^`]+)`", line.split("|")[1]) if line.startswith("| `") else []
         yield from ((number, name, kind) for name in names for kind in re.findall(r"(?<=\| )\w+/([A-Z]\w+)", line))

@@ -1,5 +1,4 @@
-"""Two trainees in the same drill, by the programs alone: one lets go of the pedal 400 ms after the force, the other
-goes on."""
+"""Two simulated trainees in the same drill. One releases the pedal 400 ms after the force, the other continues."""
 import csv
 import json
 import os
@@ -20,13 +19,13 @@ PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) 
 
 pytestmark = pytest.mark.skipif(not (PROGRAMS / "simulate").exists(), reason="simulate is not built")
 
-# The second step ends after the drill, so that the drill comes within the attempt.
+# The second step ends after the drill, so that the drill occurs during the attempt.
 STEPS = [("come", "gold", 0.5), ("stay", "green", 6.0)]
 EXERCISE = exercise("stroke", STEPS, "{time: {}}", "{scenario: sudden_jump, at: {step: 2, delay: 0.3, jitter: 0.5}, "
                     "right: [pedal_up], wrong: [push_on], within: 2.0}")
 BARE = exercise("bare", STEPS, "{time: {}}")
 AGREEMENT = 5  # [ms] of a measured time with the truth
-# (exercise, motion, [s] until the drill was answered, or was not)
+# (exercise, motion, [s] after which the drill has been answered or ignored)
 CASES = [("stroke", "scripted", 6.5)]
 
 
@@ -47,7 +46,7 @@ def make_school(tmp_path_factory):
 
 
 class Trainee:
-    """A recorded drill, its only hazard in score.json, and what the hands know that they did, first times by name."""
+    """A recorded drill: its only hazard in score.json, and the first time of each event of the surgeon."""
 
     def __init__(self, school, case, reaction):
         exercise, motion, seconds = case
@@ -69,7 +68,7 @@ def make_both(school, request):
 
 
 def session_tick(log, sequence):
-    """Of the tick that used a packet."""
+    """Session tick that consumed the packet with this sequence number."""
     (command,) = log.commands[log.commands["command"]["sequence"] == sequence]
     model = log.ticks["model"]
     return int(model["session_tick"][np.searchsorted(model["tick"], command["tick"])])
@@ -97,18 +96,19 @@ def test_the_reaction_time_is_the_truth(both):
 def test_the_drill_stands_in_score_log_and_ground_truth(both):
     for trainee in both:
         score, injection_tick = trainee.score, trainee.hazard["injection_tick"]
-        assert score["drill"] == trainee.log.training["drill"] == "sudden_jump", "own by its name"
+        assert score["drill"] == trainee.log.training["drill"] == "sudden_jump", "`own` is replaced by the scenario"
         assert score["response_rule"] == {"right": ["pedal_up"], "wrong": ["push_on"], "within_s": 2.0}
         (attempt,) = score["attempts"]
         assert [hazard["injection_tick"] for hazard in attempt["hazards"]] == [injection_tick]
         (injection,) = json.loads((trainee.directory / "faults.json").read_text())["injections"]
         assert injection["name"] == "sudden_jump"
-        assert 0 <= injection["inject"]["tick"] - injection_tick <= 3, "the daemon hears of it a little later"
+        assert 0 <= injection["inject"]["tick"] - injection_tick <= 3, "the daemon learns of it a little later"
 
 
 @pytest.mark.parametrize("exercise_, seed", [("pick_hand_over_place", 2), ("retrieve_and_reach", 4)])
 def test_who_answers_rightly_passes(school, exercise_, seed):
-    """The expert has no time to spare: an answer of 3 s, or of 12 s while the robot is deaf, must not cost any."""
+    """The expert has no time to spare. The time of an answer, 3 s, or 12 s while the robot receives no packets,
+    must not count."""
     directory, done = simulate(school, f"fair_{exercise_}", "--exercise", exercise_, "--drill", "own", "--motion", "expert",
                                "--reaction", "400", seed=seed)
     assert done.returncode == 0, done.stderr
@@ -134,7 +134,7 @@ def test_a_drill_that_cannot_be_is_refused(school, options, words):
 
 @pytest.fixture(scope="module", name="measured")
 def make_measured(tmp_path_factory):
-    """Five seeds of the expert in a drill: one who ignores it, and one who lets go after 400 ms."""
+    """Five seeds of the expert in a drill, without a reaction, and with a release of the pedal after 400 ms."""
     table = tmp_path_factory.mktemp("measured") / "drills.csv"
     command = [ROOT / "scripts/measure_drills", "camera_clutch", "--seeds", "1-5", "--reactions", "none,400", "--seconds", "9",
                "--jobs", "1", "--output", table]

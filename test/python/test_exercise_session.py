@@ -1,4 +1,5 @@
-"""Sessions at an exercise of one's own, scored as they end: files alone, no code. Needs the programs built."""
+"""Sessions of a user's own exercise are scored as they end. The exercise needs files only, no code.
+Needs the programs built."""
 import json
 import os
 import pathlib
@@ -19,7 +20,7 @@ NEEDED = ["score_session", "simulate", "recover_session"]
 pytestmark = pytest.mark.skipif(not all((PROGRAMS / name).exists() for name in NEEDED),
                                 reason=f"not all of {', '.join(NEEDED)} are built")
 
-# Of the metrics two are scored.
+# The exercise scores four metrics. The band has two of them, and idle, which the exercise does not score.
 EXERCISE = exercise("stay", [("gold", "gold", 1.0), ("green", "green", 2.0)],
                     "{time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}",
                     "{scenario: sudden_jump, at: {step: 2, delay: 0.0, jitter: 0.0}, right: [stop], "
@@ -48,7 +49,7 @@ def run(program, *arguments):
 
 
 class School:
-    """A folder of sessions and a configuration with an exercise of its own."""
+    """A folder of sessions, and a configuration with an additional exercise and curriculum."""
 
     def __init__(self, folder):
         self.folder = folder
@@ -85,7 +86,7 @@ def make_school(tmp_path_factory):
 
 @pytest.fixture(scope="module", name="course")
 def four_sessions(school):
-    """Passed, failed by a band that is too strict, passed, passed. @return what simulate said of each."""
+    """Sessions: passed, failed by a band that is too strict, passed, passed. @return simulate's output of each."""
     told = []
     for name, strict in [("1", False), ("2", True), ("3", False), ("4", False)]:
         school.be_strict(strict)
@@ -110,7 +111,7 @@ def test_a_session_is_scored_as_it_ends(first):
 def test_the_exercise_says_what_is_judged(first):
     metrics = first["attempts"][0]["metrics"]
     assert [name for name, metric in metrics.items() if metric["scored"]] == ["time", "path", "tremor", "force_above"]
-    assert metrics["idle"]["passed"] is None and metrics["idle"]["mean"] == -1.0, "it would not have passed"
+    assert metrics["idle"]["passed"] is None and metrics["idle"]["mean"] == -1.0, "not scored: it would have failed"
     assert metrics["path"]["passed"] is True
     assert metrics["tremor"]["bound"] == 1e6 and metrics["tremor"]["limit"] == 1e6
     assert metrics["force_above"]["bound"] is None and first["force_limit_N"] == 1.5
@@ -144,7 +145,7 @@ def test_the_band_of_then_judges_and_another_by_option(school, course):
     before = (directory / "score.json").read_bytes()
     school.be_strict(False)
     assert run("score_session", directory, "--no-index").returncode == 0
-    assert (directory / "score.json").read_bytes() == before, "the strict one of the session's own copy"
+    assert (directory / "score.json").read_bytes() == before, "the session's own copy of the strict band judges"
     other = school.folder / "other.json"
     band = school.folder / "config/bands/stay.yaml"
     assert run("score_session", directory, "--no-index", "--band", band, "--output", other).returncode == 0
@@ -168,9 +169,9 @@ def test_a_drill_is_judged_as_the_exercise_says(school):
     score = school.score("drill")
     assert score["drill"] == "sudden_jump"
     assert score["response_rule"] == RULE
-    assert score["attempts"][0]["passed"] is False, "no stop was asked for"
+    assert score["attempts"][0]["passed"] is False, "the drill required a stop, and nobody asked for one"
     assert not (directory.parent / "index.json").exists() or "drill" not in [
-        entry["directory"] for entry in school.index()], "nobody's session"
+        entry["directory"] for entry in school.index()], "a session without a trainee is not in the index"
 
 
 def test_a_drill_with_another_scenario_is_judged_as_the_exercise_says_too(school):

@@ -1,4 +1,5 @@
-"""Exit codes of the programs, as doc/interfaces.md tells them. What takes a session or a robot is tested where that is."""
+"""Exit codes of the programs, as doc/interfaces.md lists them. Other tests cover the codes that need a session or a
+robot."""
 
 import os
 import pathlib

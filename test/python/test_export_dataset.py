@@ -1,5 +1,5 @@
-"""export_session --format jigsaws (scripts/export_dataset) and rosbag: read back with readers of others, compared
-with the log. The transformations here are written down anew, from core/frames.h, config/arms.yaml and raven2.md."""
+"""export_session --format jigsaws (scripts/export_dataset) and rosbag: read back with third-party readers and compared
+with the log. The transformations here are written independently, from core/frames.h, config/arms.yaml and raven2.md."""
 import datetime
 import json
 import math
@@ -17,7 +17,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import report_session as made  # noqa: E402
 
-import raven2_session  # noqa: E402  (found beside raven2_report)
+import raven2_session  # noqa: E402  (in the same folder as raven2_report)
 from raven2_exports import jigsaws  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", made.ROOT / "build")) / "devel/lib/raven2_trainer"
@@ -37,7 +37,7 @@ def export(directory, kind, *options):
 
 @pytest.fixture(scope="module", name="directory")
 def simulated(tmp_path_factory):
-    """Five seconds of moving arms with turned masters: the scripted expert on its way to the ring."""
+    """A session of the scripted expert that moves to the ring: both arms move, and the masters rotate."""
     output = tmp_path_factory.mktemp("export") / "a session"
     done = subprocess.run([PROGRAMS / "simulate", "--motion", "expert", "--exercise", "pick_hand_over_place",
                            "--hazard", "sudden_jump", "--seconds", "9", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)
@@ -68,7 +68,7 @@ def frames(table, ticks):
 
 
 def turn(q):
-    """Rotation matrix of a quaternion x y z w, by turning the axes."""
+    """Rotation matrix of a quaternion x y z w, by rotating the axes."""
     v, w, axes = np.array(q[:3]), q[3], np.eye(3)
     return (axes + 2 * np.cross(v, np.cross(v, axes) + w * axes)).T
 
@@ -123,7 +123,7 @@ def test_rotations_are_rotations(table, first):
 
 
 @built
-@pytest.mark.parametrize("first", [0, 38])  # gold: the green hand rests, and its tremor is lost between two frames
+@pytest.mark.parametrize("first", [0, 38])  # gold: the green hand rests, its tremor is faster than the frames
 def test_velocities_lead_from_frame_to_frame(table, first):
     p, v = table[:, first:first + 3], table[:, first + 12:first + 15]
     way = np.cumsum((v[:-1] + v[1:]) / 2 / 30, axis=0)  # trapezoids of 33 ms
@@ -156,7 +156,7 @@ def test_labels_are_the_exercise_s_steps_in_frames_from_one(tmp_path):
 
 @pytest.fixture(scope="module", name="bag")
 def read_bag(directory, log, tmp_path_factory):
-    """{topic: [(message, stamp)]}, stamps by the log's clock."""
+    """{topic: [(message, stamp)]}, with stamps of the log's clock."""
     rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
     path = tmp_path_factory.mktemp("bag") / "its.bag"
     export(directory, "rosbag", "--output", path)
@@ -167,7 +167,7 @@ def read_bag(directory, log, tmp_path_factory):
 
     with rosbag.Bag(str(path)) as bag:
         for topic, message, stamp in bag.read_messages():
-            assert 0 <= stamp.to_nsec() - began(directory) < 30e9, "the wall clock"
+            assert 0 <= stamp.to_nsec() - began(directory) < 30e9, "the stamps are wall-clock time"
             for stamped in [message, *getattr(message, "transforms", ())]:
                 if hasattr(stamped, "header"):
                     stamped.header.stamp = by_the_log(stamped.header.stamp)
@@ -176,7 +176,7 @@ def read_bag(directory, log, tmp_path_factory):
 
 
 def began(directory):
-    """[ns] since 1970."""
+    """Start of the session [ns since 1970]."""
     start = json.loads((directory / "meta.json").read_text())["start_time_utc"]
     return int(datetime.datetime.strptime(start, "%Y-%m-%dT%H:%M:%S%z").timestamp()) * 1_000_000_000
 
@@ -187,7 +187,7 @@ def stamps(entries):
 
 @pytest.fixture(scope="module", name="told")
 def ticks_of_the_bag(bag, ticks):
-    """Those that the bag tells: one of ten, as the simulator publishes."""
+    """Ticks of the session that the bag has: every tenth one, as the simulator publishes."""
     told = ticks[np.isin(ticks["time_ns"], stamps(bag["/model/joint_states"]))]
     assert len(told) == len(bag["/model/joint_states"]) > 100 and set(np.diff(told["tick"])) == {10}
     assert told["session_tick"][0] < 10 and ticks["tick"][-1] - told["tick"][-1] < 10
@@ -257,7 +257,7 @@ def test_changes_of_pedal_and_mode_and_events_are_told(bag, ticks, told, log, di
     events = [m for m, _ in bag["/exercise/events"]]
     assert [(m.number, m.tick, m.event) for m in events] == [(n, e["tick"], kinds[e["event"]["kind"]])
                                                             for n, e in session_events]
-    assert events[0].event == "started", "also what was before the first pedal-down, with the first stamp"
+    assert events[0].event == "started", "events before the first pedal-down are in the bag, too, with the first stamp"
     for message, (_, record) in zip(events, session_events, strict=True):
         event = record["event"]
         assert message.a == (bodies[event["a"]] if event["a"] < len(bodies) else "")
@@ -296,7 +296,7 @@ def test_faults_of_several_rows_come_in_order_of_time(tmp_path):
 
 
 def daemon_types():
-    """{topic: type} of what the daemon's code advertises by name; its own messages are named without the package."""
+    """{topic: type} of the topics that the daemon's code advertises by name. Our own types lack the package there."""
     found = {}
     for path in (made.ROOT / "src/ros").rglob("*.cpp"):
         for kind, topic in re.findall(r'advertise<([\w:]+)>\(\s*"([^"]+)"', path.read_text(encoding="utf-8")):
@@ -309,14 +309,14 @@ def test_topics_that_the_daemon_has_too_have_its_names_and_types(bag):
     published = daemon_types()
     assert published["/mode"] == "raven2_trainer/TrainerMode" and published["/tf_static"] == "tf2_msgs/TFMessage"
     own = {"/model/gold/measured_cp", "/model/green/measured_cp", "/console/pedal", "/faults"}
-    assert set(bag) - own <= set(published), "a topic by a name that nobody listens to"
+    assert set(bag) - own <= set(published), "a topic that the daemon does not publish"
     for topic in set(bag) - own:
         assert {m._type for m, _ in bag[topic]} == {published[topic]}, topic
     assert {"/mode", "/tf", "/tf_static", "/session/configuration", "/exercise/events"} <= set(bag)
 
 
 def seconds_to_read(rosbag, path):
-    """[s] of the processor, the best of three."""
+    """Processor time [s] to read a bag, the best of three."""
     best = float("inf")
     for _ in range(3):
         begin = time.process_time()
@@ -328,7 +328,7 @@ def seconds_to_read(rosbag, path):
 
 @built
 def test_a_bag_is_read_as_fast_as_a_recorded_one(directory, tmp_path):
-    """rosbag record itself writes the same messages, as they come, in the same order."""
+    """The recorded bag has the same messages in the order of their stamps, as rosbag record writes them."""
     rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
     export(directory, "rosbag", "--output", tmp_path / "its.bag")
     with rosbag.Bag(str(tmp_path / "its.bag")) as bag, rosbag.Bag(str(tmp_path / "recorded.bag"), "w") as recorded:
@@ -338,7 +338,7 @@ def test_a_bag_is_read_as_fast_as_a_recorded_one(directory, tmp_path):
     assert written == sorted(written)
     ratio = seconds_to_read(rosbag, tmp_path / "its.bag") / seconds_to_read(rosbag, tmp_path / "recorded.bag")
     print(f"reading it takes {ratio:.2f} times as long as reading a recorded bag")
-    assert ratio < 1.3  # 1.9 with bz2, 3.8 with kind after kind
+    assert ratio < 1.3  # 1.9 with bz2, 3.8 with the messages written kind by kind
 
 
 @built
@@ -352,7 +352,7 @@ def test_what_the_daemon_latches_is_latched_by_rosbag_play(directory, tmp_path):
 
 @built
 def test_frames_are_the_links_of_model_and_robot_in_the_world(bag, told, log):
-    """Where the graspers turn is the tool's tip, which the log has; where the arms stand is config/arms.yaml."""
+    """The graspers rotate about the tool's tip, which is in the log. The arms' bases are in config/arms.yaml."""
     fixed = {t.child_frame_id: t.transform for t in bag["/tf_static"][0][0].transforms}
     assert {f"{which}/{link}" for which in ("model", "robot")
             for link in ("world", "base_link_L", "base_link_R")} <= set(fixed)
@@ -382,7 +382,7 @@ def test_frames_are_the_links_of_model_and_robot_in_the_world(bag, told, log):
 
 @built
 def test_the_last_links_are_turned_as_the_chain_turns_them(bag):
-    """Places test all attitudes but the last: the jaws' axis is perpendicular to the wrist's."""
+    """The positions of the links test all rotations but the last: the jaws' axis is perpendicular to the wrist's."""
     for message, _ in bag["/tf"]:
         found = {t.child_frame_id: t.transform.rotation for t in message.transforms}
         for side in "LR":

@@ -1,4 +1,4 @@
-"""Figures of a session that simulate made, with a planned motion in it."""
+"""Figures of a session that simulate made. The session has a planned motion."""
 import os
 import pathlib
 import subprocess
@@ -48,7 +48,7 @@ def test_the_planned_motion_begins_and_ends_where_its_track_does(series):
     apart = np.linalg.norm(motion["track"][:, None] - motion["plan"][None], axis=2).min(axis=1)
     assert apart.max() < 3e-3
     assert np.linalg.norm(motion["user"][-1] - motion["plan"][0]) < 3e-3
-    assert np.linalg.norm(motion["plan"][0] - motion["plan"][-1]) > 1e-2, "or this could not tell"
+    assert np.linalg.norm(motion["plan"][0] - motion["plan"][-1]) > 1e-2, "the planned motion is long"
 
 
 def test_a_session_with_a_plan_has_its_figure(directory, tmp_path):

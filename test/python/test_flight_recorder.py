@@ -1,5 +1,6 @@
-"""The flight recorder as scripts/raven2_session.py reads it, written here byte by byte as src/session/flight_file.h and
-include/raven2_trainer/core/record_ring.h have it: what is whole is given, and nothing else."""
+"""scripts/raven2_session.py reads the flight recorder. The tests write its file byte by byte, as
+src/session/flight_file.h and include/raven2_trainer/core/record_ring.h define it. The reader must return the intact
+records and nothing else."""
 import fcntl
 import json
 import pathlib
@@ -13,7 +14,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 sys.dont_write_bytecode = True
 import raven2_session  # noqa: E402
 
-CAPACITY, SIZE, STRIDE = 4, 16, 32  # of the one queue; the checksum stands behind the record
+CAPACITY, SIZE, STRIDE = 4, 16, 32  # of the only queue; the checksum follows the record
 TAIL, DROPPED, SLOTS, CHECKPOINTS = 4096, 4104, 4160, (64, 256)
 FIELDS = [{"name": "tick", "type": "i64", "shape": [], "offset": 0}, {"name": "kind", "type": "u8", "shape": [],
                                                                       "offset": 8}]
@@ -30,7 +31,7 @@ def checksum(words, index=0):
 
 
 class Memory:
-    """A recorder in which the records from `head` to `tail` wait, the tick of each a thousand times its number."""
+    """A recorder in which the records from `head` to `tail` wait. The tick of each record is 1000 times its number."""
 
     def __init__(self, log, head=0, tail=0):
         self.log = log

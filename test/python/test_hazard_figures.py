@@ -1,4 +1,4 @@
-"""Tests of scripts/raven2_hazards.py on sessions made up here, and of what measure_hazards says of a broken promise."""
+"""Tests of scripts/raven2_hazards.py on synthetic sessions, and of measure_hazards' report of a broken promise."""
 import importlib.machinery
 import importlib.util
 import pathlib
@@ -15,14 +15,14 @@ import raven2_lockstep  # noqa: E402
 
 TOLERANCE = 0.003
 HOMING = 100  # [ticks] before the first pedal-down
-CYCLE = 5000  # robot's cycle that the haptic loop compares in session tick 0; the physics loop has the one before
+CYCLE = 5000  # robot's cycle that the haptic loop compares in session tick 0; the physics loop has the previous one
 MODEL = np.dtype([("tick", "i8"), ("session_tick", "i8"), ("linked", "u1"), ("robot_fresh", "u1")])
 ROBOT = np.dtype([("cycle", "u8"), ("frame", "u8"), ("runlevel", "u1"), ("soft_estopped", "u1")])
 HAPTIC = np.dtype([("tick", "i8"), ("robot_cycle", "u8"), ("error", "f8", (2,)), ("force_B", "f8", (2, 3))])
 
 
 class Made:
-    """A session in lockstep without a fault, 1000 ticks from the first pedal-down, to be changed by a test."""
+    """A lockstep session without a fault: 1000 ticks from the first pedal-down. Tests change it."""
 
     def __init__(self, length=1000):
         ticks = np.zeros(HOMING + length, [("model", MODEL), ("robot", ROBOT)])
@@ -76,7 +76,7 @@ def test_rows_that_begin_together_are_one_time(made):
 
 
 def test_times_before_the_first_pedal_down_are_told_apart_by_the_robots_cycle(made):
-    for cycle in (10, 10, 310, 610):  # an intermittent fault of two rows at first, while homing
+    for cycle in (10, 10, 310, 610):  # an intermittent fault during homing; at first two rows begin together
         made.injected(-1, cycle=cycle)
     assert raven2_hazards.times(made.faults) == 3
 
@@ -150,7 +150,7 @@ def test_a_session_that_never_began_has_nothing_to_tell():
 
 @pytest.mark.parametrize("host, begin", [("robot", 499), ("relay", 500)])
 def test_a_fault_in_the_robot_is_felt_a_tick_before_the_physics_loop_tells(made, host, begin):
-    # GIVEN the physics tick 500 that first reports the cycle that the haptic tick 499 compared
+    # GIVEN physics tick 500 is the first to report the cycle that haptic tick 499 compared
     made.injected(500, host)
     made.activation(500, 900)
     made.parted(0, 560, 600, 0.006)
@@ -181,7 +181,7 @@ def test_a_stop_by_the_robots_own_check_is_read_and_not_inferred(made):
     assert raven2_hazards.stop_tick(made.log.ticks) is None
     made.robot("soft_estopped", 600, 999, 1)
     assert raven2_hazards.stop_tick(made.log.ticks) == 600
-    made.robot("frame", 0, 999, 0)  # what no frame has told
+    made.robot("frame", 0, 999, 0)  # no frame has arrived
     assert raven2_hazards.stop_tick(made.log.ticks) is None
 
 
@@ -210,7 +210,7 @@ def test_a_sweep_tells_the_stop_at_the_last_jump_and_adds_up_a_value():
     assert sweep.row(800, 4, *runs[0]) == "| 800 | 4 | 5.0, 2.0, 19.0 | at 24.306 s |"
     assert sweep.row(800, 5, *runs[1]) == "| 800 | 5 | 3.0, 4.0 | no |"
     assert sweep.summary(800, runs) == "| 800 | 2.0 / 4.0 / 19.0 | 3 of 5 | 1 of 2 |"
-    assert sweep.summary(800, [([], 0, 0), ([], 0, -1)]).endswith("| 2 of 2 |"), "as early as the session itself"
+    assert sweep.summary(800, [([], 0, 0), ([], 0, -1)]).endswith("| 2 of 2 |"), "a stop at tick 0 or earlier counts"
 
 
 def test_measure_hazards_fails_where_the_promise_is_not_kept(made, monkeypatch, capsys):

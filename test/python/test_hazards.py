@@ -1,7 +1,7 @@
-"""The library of config/faults is the whole list of published hazards, and doc/hazards.md says what the files say.
+"""The library of config/faults contains the whole list of published hazards, and doc/hazards.md agrees with the files.
 
-LIST restates the list of 58 rows (with row 0 for the three of Table 1 of Li et al. 2017) apart from the files: names,
-injections of Alemzadeh et al., SAFECOMP 2015 ("Inj. n"), MAUDE reports and how sure their link is.
+LIST restates the 58 rows of the list independently of the files: names, injections of Alemzadeh et al., SAFECOMP 2015
+("Inj. n"), MAUDE reports and how sure their link is. TABLE_1 restates the three rows of Table 1 of Li et al. 2017.
 """
 
 import json
@@ -80,13 +80,13 @@ LIST = {
     57: (["video_freeze", "video_loss"], [], [], "none"),
     58: (["encoder_pot_mismatch"], [], ["3093014"], "table"),
 }
-# Table 1 of Li et al. 2017: number, name, where injected, MAUDE reports, a word of what the trainee should do
+# Table 1 of Li et al. 2017: number, name, site of the injection, MAUDE reports, a word of the right response
 TABLE_1 = [
     (1, "unavailable_recoverable", "network_layer", ["3293519"], "restart"),
     (2, "unavailable_permanent", "get_usb_packet", ["2663924", "3275500"], "convert"),
     (3, "sudden_jump", "put_usb_packet", ["1590517", "2120175"], "release the pedal"),
 ]
-# What nothing in the library uses, and why.
+# Kinds, triggers and hosts that no scenario of the library uses, and the reason.
 UNUSED_KINDS = {
     "none": "is no fault",
     "sign_flip": "no source injected it; for a user's own, as a force of the wrong sign or the wrong eye's picture",
@@ -133,7 +133,7 @@ def test_every_row_of_the_list_is_there_and_nothing_else_has_its_numbers(library
     expected.update({100 + row: names for row, (names, *_) in LIST.items()})
     found = {}
     for name, scenario in library.items():
-        if scenario["number"] != 0:  # of a hazard that is not in the list
+        if scenario["number"] != 0:  # 0 means that the hazard is not in the list
             found.setdefault(scenario["number"], []).append(name)
     assert {number: sorted(names) for number, names in found.items()} == expected
     assert sorted(LIST) == list(range(1, 59))
@@ -182,7 +182,7 @@ def test_the_simulator_gets_the_clean_stream(library):
     for row in range(42, 47):
         for name in LIST[row][0]:
             assert [(f["host"], f["kind"], f["value"]) for f in library[name]["faults"]] == [("relay", "impair", name)]
-    for row in range(3, 8):  # behind the robot's own recvfrom
+    for row in range(3, 8):  # after the robot's own recvfrom
         for name in LIST[row][0]:
             assert [(f["host"], f["site"]) for f in library[name]["faults"]] == [("robot", "network_layer")], name
 
@@ -233,7 +233,7 @@ def test_the_page_tells_what_every_scenario_did_here(library):
 def test_what_the_hand_felt_here_stands_under_what_you_will_feel(library):
     for name, (newton, _) in measured().items():
         if newton > 0.0:
-            assert re.search(r"\b(force|push)", library[name]["expected"]), f"{name}: {newton} N, and no word of it"
+            assert re.search(r"\b(force|push)", library[name]["expected"]), f"{name}: {newton} N are not mentioned"
 
 
 def test_a_stop_that_came_here_stands_under_what_you_will_see(library):

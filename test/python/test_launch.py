@@ -1,4 +1,4 @@
-"""training.launch and hardware.launch: what their arguments make of the programs' command lines. Nothing is started."""
+"""How the arguments of training.launch and hardware.launch change the programs' command lines. Starts nothing."""
 
 import os
 import pathlib
@@ -19,7 +19,7 @@ def fixture_package(monkeypatch):
 
 
 def options(*arguments, more=()):
-    """Of each node: {option: value}."""
+    """{node: {option: value}} of training.launch."""
     seen = nodes(LAUNCH, *arguments)
     assert set(seen) == {"virtual_raven", "master_console", "simulator", *more}
     return seen
@@ -71,7 +71,7 @@ HARDWARE = os.path.join(os.path.dirname(LAUNCH), "hardware.launch")
 
 
 def hardware(*arguments):
-    """{type: node} and the configuration."""
+    """{type: node}, and the loaded configuration."""
     loaded = roslaunch_config.load_config_default([(HARDWARE, list(arguments))], None, verbose=False)
     assert not loaded.config_errors
     return {node.type: node for node in loaded.nodes}, loaded

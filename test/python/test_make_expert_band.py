@@ -1,4 +1,4 @@
-"""scripts/make_expert_band: from score.json of several sessions to one band."""
+"""scripts/make_expert_band makes one band from the score.json of several sessions."""
 import json
 import math
 import pathlib
@@ -57,7 +57,7 @@ def test_a_band_that_cannot_be_written_leaves_the_old_one(tmp_path):
     folders, bands = three(tmp_path), tmp_path / "bands"
     bands.mkdir()
     (bands / "peg_transfer.yaml").write_text("the old one")
-    (bands / "peg_transfer.yaml.part").mkdir()  # in the way of the new one
+    (bands / "peg_transfer.yaml.part").mkdir()  # blocks the new band
     assert run(*folders, "--output", str(bands)).returncode != 0
     assert (bands / "peg_transfer.yaml").read_text() == "the old one"
 

@@ -1,4 +1,4 @@
-"""scripts/make_gallery: it draws what doc/gallery.md shows. Needs the programs built."""
+"""scripts/make_gallery draws the pictures of doc/gallery.md. Needs the programs built."""
 import os
 import pathlib
 import re
@@ -34,5 +34,5 @@ def test_pictures_are_drawn_at_their_moment(tmp_path):
     pictures = {path.stem: Image.open(path).convert("RGB") for path in (tmp_path / "images/gallery").glob("*.png")}
     assert set(pictures) == {"top", "workspace"} and all(p.size == (128, 72) for p in pictures.values())
     amber = sum(r > 150 and 90 < g < 190 and b < 90 for r, g, b in pictures["workspace"].getdata())
-    assert amber > 200, "the wall before the limit"
+    assert amber > 200, "the amber wall at the limit is drawn"
     assert not (tmp_path / "gallery.md").exists()

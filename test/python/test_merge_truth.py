@@ -1,4 +1,4 @@
-"""merge_truth: what the library at the USB boundary wrote, brought into a session by the robot's clock or by commands."""
+"""merge_truth adds the file of the library at the USB boundary to a session, by the robot's clock or by commands."""
 import json
 import os
 import pathlib
@@ -15,12 +15,12 @@ import raven2_session  # noqa: E402
 
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 pytestmark = pytest.mark.skipif(not (PROGRAMS / "merge_truth").exists(), reason="merge_truth is not built")
-OFFSET = 1_700_000_000_000_000_000  # [ns] since 1970 of the robot's computer above its CLOCK_MONOTONIC
+OFFSET = 1_700_000_000_000_000_000  # [ns] wall clock of the robot's computer (since 1970) minus its CLOCK_MONOTONIC
 
 
 @pytest.fixture(scope="module", name="recorded")
 def record(tmp_path_factory):
-    """Four seconds without any hazard that the session would know of."""
+    """A session of four seconds, recorded without a hazard."""
     output = tmp_path_factory.mktemp("truth") / "session"
     done = subprocess.run([PROGRAMS / "simulate", "--hazard", "none", "--seconds", "4", "--homing", "quick", "--output",
                            output], capture_output=True, text=True, check=False)
@@ -39,7 +39,7 @@ def read_ticks(recorded):
 
 
 def moment(ticks, index, command=True):
-    """As the robot's computer had it when the session's tick of that index saw its state."""
+    """Entry that the robot's computer would write for the robot state that this tick of the session received."""
     robot = ticks["robot"][index]
     return {"cycle": int(robot["cycle"]), "time_ns": int(robot["time_ns"]) + OFFSET,
             "command": int(robot["last_sequence"]) if command else 0}
@@ -82,7 +82,7 @@ def test_a_fault_at_the_boundary_is_reported_like_the_virtual_ravens(session, ti
     assert injection["inject"]["cycle"] == ticks["robot"][at]["cycle"]
     fault = read(session, "metrics.json")["faults"][0]
     assert fault["name"] == "sudden_jump" and abs(fault["first_tick"] - 2000) <= 1
-    assert (session / "session.rlog").read_bytes() == log, "the log is the record of what was seen"
+    assert (session / "session.rlog").read_bytes() == log, "the log is a record and must not change"
 
 
 @pytest.mark.parametrize("foreign", [{"monotonic_offset_ns": 0}, {"monotonic_offset_ns": OFFSET + 10**15}])
@@ -162,7 +162,7 @@ def test_without_a_file_the_one_that_the_session_remembers_is_taken(session, tic
     meta = read(session, "meta.json")
     (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(stale)}))
     done = merge(session)
-    assert done.returncode == 1 and "none of its 1 injections" in done.stderr, "commands are not asked"
+    assert done.returncode == 1 and "none of its 1 injections" in done.stderr, "the commands are not used here"
     path = write(tmp_path / "truth.json", truth_of(moment(ticks, begin_of(ticks)), None))
     (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(path)}))
     report = subprocess.run([ROOT / "scripts/session_report", session, "--output", tmp_path / "page.html"],

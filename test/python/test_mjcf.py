@@ -1,5 +1,6 @@
-"""The MuJoCo model of generate_description: kinematics and masses by an own reading of the file, and its free motion beside
-ODE's (model_probe) in MuJoCo itself, which comes from PyPI into the build folder; skipped where it cannot be had."""
+"""The MuJoCo model of generate_description. The tests read the kinematics and masses from its file. They also compare
+its free motion in MuJoCo with the ODE model's (model_probe). MuJoCo is installed from PyPI into the build folder; the
+tests that need it are skipped where PyPI cannot be reached."""
 import os
 import pathlib
 import subprocess
@@ -82,7 +83,7 @@ def jaws(root, side, q):
 
 
 def urdf_joints(arm, j, d4):
-    """Of the robot's (doc/model.md): the URDF counts insertion and roll from elsewhere, and two joints the other way."""
+    """URDF joints from the robot's (doc/model.md). Insertion and roll have another zero, two joints another sign."""
     gold = arm == "gold"
     return [j[0], j[1], j[2] + d4, j[3] + (-1 if gold else 1) * np.pi / 4, j[4] if gold else -j[4], j[5], -j[6]]
 
@@ -99,8 +100,8 @@ def test_the_tip_is_where_the_robot_s_own_kinematics_have_it(bare, arm):
         first, second = jaws(root, SIDES[arm], urdf_joints(arm, j, tool["d4"]))
         for frame in (first, second):
             assert np.abs(frame[:3, 3] - expected[:3, 3]).max() < 1e-12
-            assert np.abs(frame[:3, 2] - expected[:3, 2]).max() < 1e-12, "both turn about T's z"
-        middle = (first[:3, 0] + second[:3, 0]) * np.sign(np.cos((j[5] + j[6]) / 2))  # jaws can open by more than half a turn
+            assert np.abs(frame[:3, 2] - expected[:3, 2]).max() < 1e-12, "both jaws rotate about T's z"
+        middle = (first[:3, 0] + second[:3, 0]) * np.sign(np.cos((j[5] + j[6]) / 2))  # jaws can open beyond 180 deg
         assert np.abs(middle / np.linalg.norm(middle) - expected[:3, 0]).max() < 1e-12, "T is on their mid-line"
 
 
@@ -134,7 +135,7 @@ def test_mujoco_takes_it_and_what_lies_there_rests(mujoco, tmp_path, scene):
 
 
 def simulate(mujoco, path, arm, torques, q0, friction):
-    """Joints of one arm under torques that are held for a millisecond, in steps of a tenth of it; the other arm hangs."""
+    """Joints of one arm. Each torque acts for 1 ms, in ten steps of 0.1 ms. The other arm hangs freely."""
     model = mujoco.MjModel.from_xml_path(str(path))
     model.opt.timestep = 1e-4
     if not friction:
@@ -157,7 +158,8 @@ def simulate(mujoco, path, arm, torques, q0, friction):
 @pytest.mark.parametrize("arm", SIDES)
 @pytest.mark.parametrize("friction", [True, False])
 def test_free_motion_is_that_of_the_ode_model(mujoco, bare, arm, friction):
-    """Within 0.5 % of the way of each joint; without friction all but the first three are only nudged, or they meet stops."""
+    """The motions agree within 0.5 % of each joint's motion. Without friction, all joints but the first three get small
+    torques only: otherwise they would reach their stops."""
     scale = np.array([4, 5, 95, .05, .2, .2, .2]) * (1 if friction else np.array([1, 1, 1, .02, .02, .02, .02]))
     torques = sum(model_probe.torques_of(600, 0.3 * scale, seed) for seed in (3, 4, 5))
     q0 = [0.7, 1.5, -0.1, 0.2, 0.3, 0.4, -0.4]

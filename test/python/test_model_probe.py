@@ -1,5 +1,5 @@
-"""model_probe against a simulation of its own: the wrist and the jaws held, or the energy of the whole arm, from the
-inertials of urdf/raven2.urdf as read here. Needs the built program; skipped where it is not built."""
+"""model_probe against independent calculations: the energy of the whole arm from the inertials of urdf/raven2.urdf, and
+the motion of one jaw. Needs the built program; skipped where it is not built."""
 
 import os
 import subprocess
@@ -34,7 +34,7 @@ def rpy(values):
 
 
 class Arm:
-    """One arm's links, straight from the file. Energies by sums over the links, rates by differences of poses."""
+    """One arm's links, read from the URDF. Energies are sums over the links, rates are differences of poses."""
 
     def __init__(self, side):
         root = ElementTree.parse(os.path.join(ROOT, "urdf", "raven2.urdf")).getroot()
@@ -99,7 +99,7 @@ def states(run):
 
 
 def torques_of(ticks, scale, seed):
-    """Smooth torques, about what moves each bare joint through a part of its range."""
+    """Smooth torques. `scale` must suit each bare joint, so that it moves through a part of its range."""
     random = np.random.default_rng(seed)
     t = np.arange(ticks)[:, None] * 1e-3
     return scale * np.sin(2 * np.pi * random.uniform(1, 4, 7) * t + random.uniform(0, 6, 7))

@@ -1,5 +1,4 @@
-"""The same pictures whatever OpenGL comes from: OSMesa or EGL without a screen. A session is drawn with each, by processes of
-their own."""
+"""OSMesa, and EGL without a screen, draw the same pictures. Separate processes draw a session with each of them."""
 import os
 import pathlib
 import subprocess
@@ -11,7 +10,8 @@ import pytest
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 LIBRARIES = {"osmesa": "libOSMesa.so.8", "egl": "libEGL.so.1"}
-# Of one version of Mesa both are llvmpipe, and not a bit differs. A GPU rounds its own way: edges may fall to the next pixel.
+# In one version of Mesa both are llvmpipe, and the pictures are equal. A GPU rounds differently: edges may move by a
+# pixel.
 MOST_PIXELS, MOST_MEAN = 0.02, 1.0  # [-], [of 255]
 
 pytestmark = pytest.mark.skipif(not (PROGRAMS / "render_session").exists(), reason="render_session is not built")
@@ -31,7 +31,7 @@ def make_session(tmp_path_factory):
 
 
 def draw(session, folder, library):
-    """@return [s] that the program took of the processor, and what it said."""
+    """@return processor time of the program [s], and the finished process."""
     before = os.times()
     done = subprocess.run([PROGRAMS / "render_session", session, "--output", folder, "--from", "0", "--to", "2", "--processes",
                            "1"], env={**os.environ, "RAVEN2_TRAINER_GL": library}, capture_output=True, text=True, check=False)
@@ -40,7 +40,7 @@ def draw(session, folder, library):
 
 
 def pixels(path):
-    """Of a PNG of RGB, 8 bit, without interlacing, whichever filters its rows have."""
+    """Pixels of an 8-bit RGB PNG without interlacing, with any filters."""
     data, at, packed = path.read_bytes(), 8, b""
     width, height = (int.from_bytes(data[i:i + 4], "big") for i in (16, 20))
     assert data[24:26] == bytes([8, 2]) and data[28] == 0
@@ -92,11 +92,11 @@ def test_both_draw_the_same_pictures(drawn):
             continue
         off = np.abs(pixels(a) - pixels(b))
         assert off.mean() <= MOST_MEAN and (off.max(axis=-1) > 8).mean() <= MOST_PIXELS, (a.name, off.mean())
-    assert pixels(osmesa[0]).std() > 20, "something is drawn"
+    assert pixels(osmesa[0]).std() > 20, "the pictures are not empty"
 
 
 def test_both_draw_as_fast(drawn, session, tmp_path):
-    """By the fastest of up to four attempts each: a busy machine slows one of them down, not all."""
+    """Compares the fastest of up to four attempts each: a busy machine slows some of them down, not all."""
     best = dict(drawn[1])
     for attempt in range(3):
         if best["egl"] < 1.1 * best["osmesa"]:
@@ -105,7 +105,7 @@ def test_both_draw_as_fast(drawn, session, tmp_path):
             best[name] = min(best[name], draw(session, tmp_path / f"{name}_{attempt}", name)[0])
     ratio = best["egl"] / best["osmesa"]
     print(f"EGL takes {ratio:.2f} times as long as OSMesa")
-    assert ratio < 1.1  # measured 0.99 to 1.01, a busy process beside it
+    assert ratio < 1.1  # measured 0.99 to 1.01, while another process was busy
 
 
 @pytest.mark.parametrize("value", ["glx", "OSMESA"])

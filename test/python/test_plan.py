@@ -27,7 +27,7 @@ def test_a_study_is_printed_written_and_drawn(tmp_path):
     got = plan("short_move", "--samples", "40,80", "--runs", 2, "--seed", 5, "--output", folder, "--plot")
     assert got.returncode == 0, got.stderr
     assert got.stdout.startswith("short_move: ")
-    assert got.stdout.count("planning time [s]") == 2, "a table without and one with the clearance term"
+    assert got.stdout.count("planning time [s]") == 2, "one table without the clearance term and one with it"
     runs = rows(folder / "runs.csv")
     assert [(r["samples"], r["run"], r["seed"]) for r in runs] == [(n, i, s) for n in ("40", "80") for i, s in
                                                                   (("1", "5"), ("2", "6"))] * 2
@@ -36,7 +36,7 @@ def test_a_study_is_printed_written_and_drawn(tmp_path):
         assert float(run["planning_time_s"]) > 0 and float(run["clearance_m"]) > 0
         track, waypoints = (rows(folder / "paths" / (run["path"] + end + ".csv")) for end in ("", "_waypoints"))
         assert len(waypoints) == int(run["waypoints"])
-        # the tracked tip ends where it is wanted, and the time is the file's last, to a row
+        # the tracked tip ends at its desired position, and the last row of the file has the tracking time, to a row
         assert float(track[-1]["x_m"]) == pytest.approx(float(track[-1]["x_desired_m"]), abs=1e-3)
         assert float(track[-1]["time_s"]) == pytest.approx(float(run["tracking_time_s"]), abs=0.0021)
     table = rows(folder / "table.csv")
@@ -49,8 +49,8 @@ def test_a_study_is_printed_written_and_drawn(tmp_path):
 
 
 def read_ompl_log(path):
-    """By planner: the values of its runs by the names of their properties; in the order in which ompl_benchmark_statistics.py
-    of OMPL 1.5 and later asks for the lines."""
+    """({planner: [{property: value} of each run]}, names of the statuses). Reads the lines in the order in which
+    ompl_benchmark_statistics.py of OMPL 1.5 and later reads them."""
     lines = iter(path.read_text().splitlines())
 
     def count(words):
@@ -104,7 +104,7 @@ def test_a_study_is_written_as_ompls_benchmark_log(tmp_path):
         assert float(run["clearance"]) == pytest.approx(float(row["clearance_m"]), rel=1e-3)
     got = plan("impossible", "--samples", 50, "--runs", 1, "--exact", "--eta", "0.1,0.5,0", "--output", tmp_path / "i",
                "--ompl-log", log)
-    assert got.returncode == 0 and "; 0; " in log.read_text(), "no cost of what has no path"
+    assert got.returncode == 0 and "; 0; " in log.read_text(), "a run without a path has no cost"
 
 
 def test_planners_are_compared_over_time(tmp_path):

@@ -68,7 +68,7 @@ def test_the_definition_of_truth_is_in_millimetres(capsys):
     assert [line.split(": ")[1].split(";")[0] for line in lines] == ["5 unsafe, 2 safe", "4 unsafe, 3 safe",
                                                                    "2 unsafe, 3 safe", "1 unsafe, 4 safe",
                                                                    "1 unsafe, 4 safe"]
-    assert "departure 50.0 / 33.3" in lines[1], "an alarm behind the harm comes too late"
+    assert "departure 50.0 / 33.3" in lines[1], "an alarm after the harm comes too late"
 
 
 @pytest.mark.parametrize("order", [1, 2, 4])

@@ -1,4 +1,4 @@
-"""plot_paths on a folder written by hand: what it chooses, where it puts the scene, and that pictures come of it."""
+"""plot_paths on a folder written by hand: which runs it draws, where it draws the scene, and that it makes pictures."""
 
 import importlib.machinery
 import importlib.util
@@ -131,7 +131,7 @@ def test_the_scene_is_where_the_urdf_says(tmp_path):
     # the cylinder's axis: z of its shape is x of the link, which is y of W
     assert np.allclose(sorted(lines[0][1].tolist()), [[1, 1.9, 0.1], [1, 2.1, 0.1]])
     edges = np.array([line for _, line in lines[1:]])
-    assert np.allclose(edges.reshape(-1, 3).min(axis=0), [-1, 1, -3])  # turned: 4 along x of W, 2 along y
+    assert np.allclose(edges.reshape(-1, 3).min(axis=0), [-1, 1, -3])  # rotated: 4 along x of W, 2 along y
     assert np.allclose(edges.reshape(-1, 3).max(axis=0), [3, 3, 3])
     lengths = sorted(np.linalg.norm(edges[:, 0] - edges[:, 1], axis=1).round(9))
     assert lengths == [2] * 4 + [4] * 4 + [6] * 4

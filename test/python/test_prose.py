@@ -1,4 +1,4 @@
-"""How the project is written (scripts/check_prose): words of the list, long sentences, reading ease; the drawing of the README."""
+"""The project's prose (scripts/check_prose): words of the list, long sentences, reading ease. Also README's drawing."""
 
 import pathlib
 import re
@@ -8,7 +8,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHECK = ROOT / "scripts/check_prose"
-# What has been rewritten so far; the rest follows.
+# Pages and folders that have been rewritten so far.
 PAGES = ("architecture detector haptics model testing campaign crtk gallery interfaces masters pictures planning reliability execution exercises glossary hardware hazards impairment index modes python raven2 report ros scores session sources station streams usb_faults "
          "virtual_raven wire tutorials/educator tutorials/engineer tutorials/researcher tutorials/surgeon_assistant").split()
 FOLDERS = ("include", "src", "scripts", "launch", "config")

@@ -1,4 +1,4 @@
-"""raven2_trainer.gym in an environment of its own, where gymnasium can be installed (PyPI)."""
+"""raven2_trainer.gym in a virtual environment with gymnasium from PyPI; skipped where that cannot be installed."""
 
 import os
 import pathlib

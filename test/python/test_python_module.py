@@ -1,4 +1,4 @@
-"""import raven2_trainer: simulations and kinematics for programs (doc/python.md)."""
+"""The module raven2_trainer: simulations and kinematics for programs (doc/python.md)."""
 
 import copy
 import os
@@ -20,7 +20,7 @@ PICK = "pick_hand_over_place"
 
 
 def numbers(simulation):
-    """All that a state shows, as bytes."""
+    """All values of a state, as bytes."""
     s = simulation.state
     return b"".join(np.ascontiguousarray(a).tobytes() for a in (
         s.joints, s.joint_rates, s.torques, s.desired_joints, s.tips, s.robot_joints, s.dac, s.force, s.objects, s.true_joints)) + str(
@@ -298,7 +298,7 @@ JUNK = (None, True, -1, 0, 3, 2**70, 1e300, float("nan"), "", "gold", b"\xff\x00
 
 
 def test_nothing_that_a_caller_passes_ends_the_interpreter(ready):
-    """Seeded calls of everything with anything: they work or raise, and the simulation goes on."""
+    """Calls everything with random arguments from a seed. Each call works or raises, and the simulation continues."""
     random = np.random.default_rng(11)
     snapshot, kinematics = ready.save(), raven2_trainer.Kinematics()
     calls = [ready.step, ready.start, ready.restore, ready.inject, ready.render, kinematics.forward, kinematics.inverse, kinematics.jacobian,
@@ -355,7 +355,7 @@ def test_a_plan_leads_from_start_to_goal(planner, home):
     again = raven2_trainer.Planner().plan("gold", home[0], goal, other=home[1])
     assert np.array_equal(again["waypoints"], plan["waypoints"]), "the same seed, the same path"
     edges = sum(planner.edge_cost("gold", a, b) for a, b in zip(plan["waypoints"], plan["waypoints"][1:]))
-    assert edges <= plan["cost"] * (1 + 1e-9), "eq. (1), without the term for clearance"
+    assert edges <= plan["cost"] * (1 + 1e-9), "eq. (1) without the clearance term"
 
 
 def test_what_cannot_be_planned_says_why(planner, home):
@@ -392,7 +392,7 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
 
 
 def test_depth_and_parts_are_those_of_the_scene(ready):
-    """From above: where the ring is seen, back-projected, is where it lies."""
+    """Seen from above: the back-projected pixels of the ring are at the ring's position."""
     depth, part = ready.measure("top", 640, 480)
     assert depth.shape == part.shape == (480, 640) and depth.dtype == np.float32
     assert np.isinf(depth[part == 0]).all() and np.isfinite(depth[part > 0]).all()

@@ -96,7 +96,7 @@ def execution(started, ended, end, progress=1.0, on_robot=1, arm=0):
 
 @functools.lru_cache(maxsize=None)
 def session_bytes():
-    """Two seconds, a fault from 1.0 s to 1.299 s, its error 10 mm, its force 2 N."""
+    """A session of two seconds with a fault from 1.0 s to 1.299 s, an error of 10 mm and a force of 2 N."""
     data = header_record()
     for t in range(-10, 2000):
         fault = 1000 <= t < 1300

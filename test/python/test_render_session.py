@@ -1,4 +1,5 @@
-"""render_session as a user starts it: sessions made in lockstep, drawn, killed, drawn on, and read back by ffprobe and ffmpeg."""
+"""render_session as a user starts it. Renders of sessions made in lockstep are killed and resumed. ffprobe and ffmpeg
+read the videos."""
 import json
 import os
 import pathlib
@@ -23,7 +24,7 @@ SECONDS = 60 if FULL else 9  # three parts; the hazard comes at 8 s
 BRIEF = 3  # length [s] where any session will do
 KILLS = 10 if FULL else 3
 FPS = 30  # if no option says otherwise
-RATE = FPS if FULL else 10  # of the videos that are killed and drawn on
+RATE = FPS if FULL else 10  # of the videos that are killed and resumed
 AT_RATE = ("--fps", str(RATE))
 FEW = ("--fps", 1)  # frames, where any will do
 PART_FRAMES = 4 * RATE  # SessionRenderer::kPartSeconds
@@ -60,7 +61,7 @@ def frame_hashes(video):
 
 @pytest.fixture(scope="module", name="recorded")
 def record(tmp_path_factory):
-    """A session with a hazard; nothing of it is changed by tests."""
+    """A session with a hazard. Tests do not change it."""
     directory = tmp_path_factory.mktemp("render") / "a session"
     run("simulate", "--seconds", SECONDS, "--homing", "quick", "--hazard", "sudden_jump", "--seed", 7, "--output", directory)
     return directory
@@ -68,7 +69,7 @@ def record(tmp_path_factory):
 
 @pytest.fixture(name="session")
 def copy(recorded, tmp_path):
-    """Of the same name, which is the title of its video."""
+    """A copy of the same name: the name is the title of the video."""
     return pathlib.Path(shutil.copytree(recorded, tmp_path / recorded.name))
 
 
@@ -86,7 +87,7 @@ def copy_brief(recorded_brief, tmp_path):
 
 @pytest.fixture(scope="module", name="whole")
 def drawn_at_once(recorded):
-    """The video of a render that nobody disturbed, by one process; and how long it took [s]."""
+    """The video of an undisturbed render by one process, and how long it took [s]."""
     video = recorded.parent / "whole.mp4"
     begin = time.monotonic()
     render(recorded, *AT_RATE, "--processes", 1, "--output", video)
@@ -152,7 +153,7 @@ def start(session, processes):
 
 
 def kill(worker, session):
-    """All that it started ends with it."""
+    """Kills a render. The processes that it started must end, too."""
     worker.send_signal(signal.SIGKILL)
     worker.wait()
     end = time.monotonic() + 120
@@ -162,7 +163,7 @@ def kill(worker, session):
 
 
 def kill_after(session, seconds, processes):
-    """If it is still at work then."""
+    """Kills a render after so many seconds, unless it has finished."""
     worker = start(session, processes)
     try:
         assert worker.wait(seconds) == 0
@@ -171,7 +172,7 @@ def kill_after(session, seconds, processes):
 
 
 def kill_with_a_part(session):
-    """Kills a render as soon as there is a part of it."""
+    """Kills a render as soon as its first part exists."""
     worker = start(session, processes=1)
     while not parts_of(session):
         assert worker.poll() is None
@@ -181,7 +182,7 @@ def kill_with_a_part(session):
 
 @pytest.fixture(scope="module", name="killed")
 def kill_once(recorded, tmp_path_factory):
-    """The session as a render leaves it that was killed with a part; nothing of it is changed by tests."""
+    """A session whose render was killed after its first part. Tests do not change it."""
     session = pathlib.Path(shutil.copytree(recorded, tmp_path_factory.mktemp("killed") / recorded.name))
     kill_with_a_part(session)
     return session
@@ -211,14 +212,14 @@ def test_a_render_that_is_killed_at_any_moment_gives_the_same_file(session, whol
     while killed < KILLS:
         kill_after(session, chance.uniform(0.05, 0.9) * took, processes=1 + killed % 2)
         if (session / "video.mp4").exists():  # too late: the machine has become faster, or little was left
-            assert (session / "video.mp4").read_bytes() == video.read_bytes(), "no video before it is whole"
+            assert (session / "video.mp4").read_bytes() == video.read_bytes(), "a video appears only when complete"
             (session / "video.mp4").unlink()
             took, kept = 0.7 * took, {}
             continue
         killed += 1
         if (session / "video.parts").exists():
             parts = parts_of(session)
-            assert kept.items() <= parts.items(), "what was finished is not drawn again"
+            assert kept.items() <= parts.items(), "finished parts must not be drawn again"
             kept = parts
     told = render(session, *AT_RATE)
     assert ("drawn before" in told) == bool(kept), (told, kept)
@@ -252,8 +253,8 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
     night.mkdir()
     for name in ("a", "c", "d"):
         shutil.copytree(brief, night / name)
-    (night / "b").mkdir()                              # no session
-    (night / "index.json").write_text("{}")            # sessions/* names it, too
+    (night / "b").mkdir()                              # not a session
+    (night / "index.json").write_text("{}")            # sessions/* matches it, too
     shutil.copy(brief / "session.rlog", night / "b" / "other")
     render(night / "c", *FEW)
     before = made(night / "c" / "video.mp4")
@@ -265,7 +266,7 @@ def test_many_sessions_are_drawn_one_after_the_other_and_a_bad_one_stops_nobody(
     for name in ("a", "d"):
         assert int(probe(night / name / "video.mp4", "-show_streams")["streams"][0]["nb_frames"]) == BRIEF
 
-    # A video that was cut short by something else is none.
+    # A video that something else truncated does not count as existing.
     video = night / "a" / "video.mp4"
     video.write_bytes(video.read_bytes()[:-100])
     assert "exists; --again" not in render(night / "a", *FEW)
@@ -294,7 +295,7 @@ def test_again_that_was_killed_goes_on_without_again(brief, tmp_path):
         assert worker.poll() is None
         time.sleep(0.01)
     kill(worker, tmp_path)
-    assert (night[2] / "video.parts").exists() and made(videos[2]) == before[2], "the old one stays until then"
+    assert (night[2] / "video.parts").exists() and made(videos[2]) == before[2], "the old video stays until then"
     first = made(videos[0])
     told = render(*night, *FEW)
     assert "a/video.mp4 exists" in told and "c/video.mp4 exists" not in told, told
@@ -364,7 +365,7 @@ def test_output_takes_one_session(brief):
 def test_two_renders_of_one_video_do_not_meet(brief):
     first = start(brief, processes=1)
     end = time.monotonic() + 60
-    while not list((brief / "video.parts").glob("draft_*")):  # the file of the lock is there before it is locked
+    while not list((brief / "video.parts").glob("draft_*")):  # the lock file exists before it is locked
         assert time.monotonic() < end and first.poll() is None
         time.sleep(0.01)
     first.send_signal(signal.SIGSTOP)
@@ -387,7 +388,7 @@ def test_simulate_from_log_is_resimulate(session, tmp_path):
 
 
 def change_a_joint(log, tick):
-    """The next number to the gold arm's first joint in the record of this tick, with a right checksum."""
+    """Replaces the gold arm's first joint in this tick's record by the next larger number. Corrects the checksum."""
     frame, crc = raven2_session.FRAME, raven2_session.CRC
     data = bytearray(log.read_bytes())
     kind = next(entry for entry in raven2_session.read_header(log)["records"] if entry["name"] == "tick")

@@ -1,5 +1,5 @@
-"""Every number of the report with its unit, against the number in metrics.json, score.json or the log; for either arm,
-and on the session's clock, which stands while the exercise is paused."""
+"""Every number of the report with its unit, against the number in metrics.json, score.json or the log. For both arms,
+and on the session's clock, which stops while the exercise is paused."""
 import html
 import pathlib
 import re
@@ -12,7 +12,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import report_session as made  # noqa: E402
 
-import raven2_figures  # noqa: E402  (found beside raven2_session)
+import raven2_figures  # noqa: E402  (in the same folder as raven2_session)
 import raven2_session  # noqa: E402
 from raven2_report import curves, details, drawing, hazard_page, metric_words, record, scorecard  # noqa: E402
 from raven2_report import timeline, verdict, view3d  # noqa: E402
@@ -34,7 +34,7 @@ def column(html, title):
 
 
 def units():
-    """{metric: unit} as doc/scores.md has them."""
+    """{metric: unit} from doc/scores.md."""
     text = (made.ROOT / "doc/scores.md").read_text(encoding="utf-8")
     found = {}
     for names, unit in re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \| (?:lower|higher) \|", text, re.M):
@@ -112,7 +112,7 @@ def test_a_limit_is_said_for_the_side_that_passes(better, said):
 
 
 def record_facts(facts):
-    """What build() asks for beside the metrics."""
+    """Adds the facts that build() needs in addition to the metrics."""
     series = SimpleNamespace(runlevel=np.zeros(0), t=np.zeros(0), tracking=np.zeros(0, bool))
     return SimpleNamespace(**{**vars(facts), "score": {}, "name": "s", "meta": {}, "duration": 1.0, "header": {
         "hazard": "none", "seed": 1, "motion": ""}, "training": {"exercise": "x", "drill": "none", "trainee": "",
@@ -283,7 +283,7 @@ def test_the_story_tells_millimetres_newtons_and_seconds():
 
 
 def parted_facts(hazards, force=1.26, error=8.37, arm=1):
-    """A robot that leaves its model twice within half a second, and once more."""
+    """A robot that leaves its model twice within half a second, and once more later."""
     t = np.arange(10000) / 1000.0
     series = SimpleNamespace(t=t, error_mm=np.full((len(t), 2), 0.4), tolerance_mm=3.0, force_t=t, force=np.zeros((len(t), 2)))
     for first, last in ((2000, 2200), (2600, 2700), (7000, 7010)):
@@ -327,7 +327,7 @@ def motion_series(lead):
     arms["v_BT"][:, 1 - lead] = [0.0, 0.01, 0.0]
     arms["ik_status"][:10, lead] = 1
     arms["ik_status"][10:15, lead] = 2
-    arms["ik_status"][15:35, lead] = 5  # a singular wrist moves on
+    arms["ik_status"][15:35, lead] = 5  # at a singular wrist the arm still moves
     return SimpleNamespace(t=np.arange(100) / 1000, ticks=ticks, teleoperating=np.ones(100, bool))
 
 
@@ -340,7 +340,7 @@ def test_the_motion_of_either_arm_is_in_millimetres_a_second(lead):
 
 
 def paused_session(tmp_path):
-    """Two seconds from tick 10 on; from session second 1.0 on the clock stands for half a second of ticks."""
+    """Two seconds from tick 10 on. At session second 1.0 the session's clock stops for half a second of ticks."""
     log = made.log
     ticks = [(t + 10, t) for t in range(1000)] + [(t + 510, t) for t in range(1000, 2000)]
     data = log.header_record() + b"".join(log.record(1, log.tick_payload(tick, t)) for tick, t in ticks)
@@ -357,7 +357,7 @@ def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
     behind = details.Details(facts)
     plans = cells(behind.plan_section())[1:]
     assert plans[0] == ["0.500 s", "success", "green", "3", "1.25 s", "3.750", "1,000", "0.200 s"]
-    assert [row[0] for row in plans] == ["0.500 s", "1.250 s", "–"], "while the session is paused its clock stands"
+    assert [row[0] for row in plans] == ["0.500 s", "1.250 s", "–"], "the session's clock must stop during a pause"
     assert column(behind.execution_section(), "Time") == ["1.250 s"]
 
 
@@ -377,11 +377,11 @@ def test_a_step_begins_where_the_one_before_it_ended_in_each_attempt():
         ("to 2.5", 1.0, 2.5), ("not finished", 2.5, 4.0), ("to 7.0", 6.0, 7.0), ("to 7.25", 7.0, 7.25),
         ("to 9.5", 9.0, 9.5), ("not finished", 9.5, 12.0)]
     found = Facts._steps(SimpleNamespace(events=events[:9], duration=12.0))
-    assert [step["name"] for step in found][-1] == "to 7.25", "nothing goes on after an attempt that ended"
+    assert [step["name"] for step in found][-1] == "to 7.25", "no step continues after an attempt ended"
 
 
 def test_each_hazard_has_the_fault_of_its_own_activation():
-    """Two of one scenario and one of another, which nobody judged; judged are the later one first."""
+    """Three faults: two of one scenario and one of another. score.json judges the two, the later one first."""
     faults = [{"name": name, "first_tick": first, "last_tick": first + 299, "max_error_mm": error}
               for name, first, error in (("jump", 2000, 1.0), ("loss", 4000, 2.0), ("jump", 6000, 3.0))]
     judged = [{"scenario": "jump", "injection_tick": tick} for tick in (5995, 2000)]
@@ -408,7 +408,7 @@ def test_the_tools_force_is_of_each_arm_in_each_tick():
     force = timeline.contact_force(contact_facts([
         (10, 0, 2, [0, 3, 4]), (10, 0, 2, [0, 0, -2]), (11, 1, 2, [1, 2, 2]), (12, 0, 1, [6, 0, 0]),
         (13, 0, 3, [9, 0, 0]), (13, 1, 3, [9, 0, 0]), (13, 2, 3, [9, 0, 0]), (9, 0, 2, [9, 0, 0])]))
-    assert force.tolist() == [[7, 0], [0, 3], [6, 6], [0, 0], [0, 0]], "neither an object nor a tick of before counts"
+    assert force.tolist() == [[7, 0], [0, 3], [6, 6], [0, 0], [0, 0]], "objects and earlier ticks do not count"
 
 
 @pytest.mark.parametrize("arm", [0, 1])
@@ -436,12 +436,12 @@ def test_a_hazard_is_drawn_for_the_arm_that_it_moved_and_along_its_way(arm):
     found, way = Facts.worst_gap(facts, {"at_s": 0.2, "end_s": 0.4})
     assert found == arm and way.tolist() == [0.0, -1.0, 0.0]
     nothing, _ = Facts.worst_gap(facts, {"at_s": 0.0, "end_s": 0.05})
-    assert nothing == 0, "it parts them 200 ms later, and is over"
+    assert nothing == 0, "the hazard is over before the tips part"
 
 
 def short_log(arm):
-    """A tick before the first pedal-down, ten of the session, five in which its clock stands, ten more. The robot's tip
-    is 4 mm off, that of the other arm 1 mm."""
+    """One tick before the first pedal-down, ten of the session, five with the session's clock stopped, ten more. The
+    robot's tip is 4 mm from the model's, for the other arm 1 mm."""
     place = [("q", "f8", 7), ("p_BT", "f8", 3)]
     ticks = np.zeros(26, [("model", [("tick", "i8"), ("session_tick", "i8"), ("mode", "u1"), ("robot_fresh", "u1"),
                                      ("linked", "u1"), ("faults", [("active", "u4")]), ("arms", place, 2)]),
@@ -464,10 +464,10 @@ def test_the_tips_are_compared_while_both_arms_follow_from_a_common_pose(arm):
     log, model, robot = short_log(arm)
     model["robot_fresh"][2], model["linked"][4], robot["frame"][6], model["mode"][8] = 0, 0, 0, 1
     series = raven2_figures.Series(SimpleNamespace(log=log))
-    assert np.flatnonzero(np.isnan(series.error_mm).all(axis=1)).tolist() == [1, 3, 5, 7], "the first tick is left out"
+    assert np.flatnonzero(np.isnan(series.error_mm).all(axis=1)).tolist() == [1, 3, 5, 7], "the first tick is omitted"
     assert np.nanmax(series.error_mm[:, arm]) == pytest.approx(4.0) and series.tolerance_mm == 3.0
     assert np.nanmax(series.error_mm[:, 1 - arm]) == pytest.approx(1.0)
-    assert series.runlevel.tolist() == [3] * 5 + [-1] + [3] * 19, "no frame told it"
+    assert series.runlevel.tolist() == [3] * 5 + [-1] + [3] * 19, "without a frame the run level is unknown"
 
 
 @pytest.mark.parametrize("arm", [0, 1])
@@ -490,7 +490,7 @@ def test_a_fault_that_follows_another_at_once_has_a_window_of_its_own():
 
 
 def figure_series():
-    """Two arms whose every joint and place is another number."""
+    """Two arms. Every joint value and position is a different number."""
     n = 20
     q = 0.01 * (1 + np.arange(n * 2 * 7).reshape(n, 2, 7))
     p = 0.001 * (1 + np.arange(n * 2 * 3).reshape(n, 2, 3))
@@ -555,12 +555,12 @@ BASES = [(np.array([[0.0, -1, 0], [1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
 
 
 def in_world(arm, x, y, z):
-    """Gold: a quarter about z; green: a quarter about x."""
+    """Gold is rotated by 90 deg about z, green by 90 deg about x."""
     return [1 - y, 2 + x, 3 + z] if arm == 0 else [-4 + x, -5 - z, -6 + y]
 
 
 def world_facts():
-    """Ten ticks, of which the attempt has those from 2 to 6; every place is another one."""
+    """Twenty ticks. The attempt has ticks 2 to 6. Every position is different."""
     series = figure_series()
     facts = SimpleNamespace(series=series, attempt_span=lambda: (0.002, 0.006))
     facts.index = lambda seconds: Facts.index(facts, seconds)

@@ -1,5 +1,5 @@
-"""Addresses of a real robot's computer on the command line: where the daemon looks for the robot, where the bridge serves its
-frames. Needs the built programs, in $RAVEN2_TRAINER_BUILD or build/. Nothing leaves the loopback interface."""
+"""Addresses of a real robot's computer on the command line. The daemon connects to that address, the bridge serves its
+frames there. Needs the built programs, in $RAVEN2_TRAINER_BUILD or build/. Uses the loopback interface only."""
 
 import os
 import pathlib

@@ -30,7 +30,7 @@ def score(directory, *options):
 
 @pytest.fixture(scope="module", name="directory")
 def session(tmp_path_factory):
-    """Twelve seconds with a fault in them; the scripted hands do nothing about it."""
+    """Twelve seconds with a fault. The scripted surgeon does not react to it."""
     output = tmp_path_factory.mktemp("score") / "first"
     done = subprocess.run([PROGRAMS / "simulate", "--hazard", "sudden_jump", "--seconds", "12", "--homing", "quick",
                            "--output", output],
@@ -48,13 +48,13 @@ def scored(directory):
 
 @pytest.fixture(scope="module", name="ticks")
 def counted_ticks(directory):
-    """Those that count, by an own reading of the log."""
+    """The ticks that count, read from the log independently."""
     ticks = raven2_session.Session(directory).log.ticks
     return ticks[ticks["model"]["session_tick"] >= 0]
 
 
 def sampled_speeds(ticks, arm):
-    """[mm/s] Tip speeds of means of ten ticks, from one press of the pedal to the next: with the pedal up the tip stands."""
+    """Tip speeds [mm/s] of means of ten ticks, an array per press of the pedal. With the pedal up the tip rests."""
     down = ticks["model"]["pedal"] != 0
     newest_down = numpy.maximum.accumulate(numpy.where(down, numpy.arange(len(down)), 0))
     tips = ticks["model"]["arms"][:, arm]["p_BT"][newest_down]
@@ -67,12 +67,12 @@ def sampled_speeds(ticks, arm):
 def test_figures_are_those_of_an_own_reading_of_the_log(result, ticks):
     (attempt,) = result["attempts"]
     pieces = [sampled_speeds(ticks, arm) for arm in (0, 1)]
-    assert len(pieces[0]) > 1, "it clutched"
+    assert len(pieces[0]) > 1, "the surgeon clutched"
     speeds = [numpy.concatenate(own) for own in pieces]
     metrics = {name: metric["value"] for name, metric in attempt["metrics"].items()}
     assert metrics["time"] == pytest.approx(len(ticks) / 1000)
     assert metrics["path"] == pytest.approx(sum(speed.sum() for speed in speeds) / 100, rel=1e-9)
-    assert metrics["path"] > 50, "the hands moved"
+    assert metrics["path"] > 50, "the tips moved"
     assert metrics["idle"] == pytest.approx(numpy.mean(numpy.maximum(*speeds) < 1))
     assert metrics["engaged"] == pytest.approx(numpy.mean(ticks["model"]["pedal"] != 0))
     assert metrics["speed_correlation"] == pytest.approx(numpy.corrcoef(*speeds)[0, 1], rel=1e-9)
@@ -97,7 +97,7 @@ def test_the_hazard_is_judged_from_its_injection(directory, result):
     fault = json.loads((directory / "metrics.json").read_text())["faults"][0]
     hazard = result["hazards"][0]
     assert hazard["scenario"] == "sudden_jump"
-    assert abs(hazard["injection_tick"] - fault["first_tick"]) <= 5, "[ms] the robot's clock and the daemon's knowledge"
+    assert abs(hazard["injection_tick"] - fault["first_tick"]) <= 5, "[ms] robot's clock, daemon's clock"
     assert hazard["error_mm"] == pytest.approx(fault["max_error_mm"], abs=0.01)
     assert hazard["excursion_mm"] > 3
     assert hazard["injection_tick"] + hazard["force_after_ms"] == pytest.approx(fault["force_tick"], abs=2)
@@ -134,7 +134,7 @@ def test_a_folder_without_a_session_is_refused(tmp_path):
 
 @pytest.fixture(scope="module")
 def course(tmp_path_factory):
-    """A session of a trainee in a curriculum: the index of the folder can then be anything."""
+    """A session of a trainee in a curriculum. Each test writes another index for it."""
     output = tmp_path_factory.mktemp("course") / "last"
     done = subprocess.run([PROGRAMS / "simulate", "--curriculum", "frs_basics", "--trainee", "kim-01", "--exercise", "camera_clutch",
                            "--seconds", "3", "--homing", "quick", "--output", output], capture_output=True, text=True, check=False)

@@ -1,5 +1,5 @@
-"""scripts/session_report: one page, what it says, report.json, learning curves, hostile input, and how it looks in a
-browser (skipped where there is none)."""
+"""scripts/session_report: the page and its text, report.json, learning curves, hostile input, and the view in a browser
+(skipped where no browser is installed)."""
 import json
 import pathlib
 import re
@@ -15,7 +15,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import forked  # noqa: E402
 import report_session as made  # noqa: E402
 
-import raven2_figures  # noqa: E402  (found beside raven2_session; loaded once, for all reports)
+import raven2_figures  # noqa: E402  (in the same folder as raven2_session; loaded once, for all reports)
 from raven2_report import curves, drawing, metric_words, page as _, scorecard, view3d  # noqa: E402,F401
 
 REPORT = made.ROOT / "scripts" / "session_report"
@@ -30,7 +30,7 @@ def plainly(script, *arguments):
 
 
 def sketchily(script, *arguments):
-    """With empty figures in the engineering part, which take most of the time."""
+    """Runs a script with empty figures in the engineering part: those figures take most of the time."""
     def nothing(_, file, metadata=None):
         file.write("<svg></svg>")
 
@@ -39,7 +39,7 @@ def sketchily(script, *arguments):
 
 
 def report(*directories, fails=False, run=sketchily):
-    """(page, record, standard error) of the last directory."""
+    """(page, record, standard error). Page and record are those of the last directory."""
     done = run(REPORT, *map(str, directories))
     assert fails or done.returncode == 0, done.stderr
     page = pathlib.Path(directories[-1]) / "report.html"
@@ -49,7 +49,7 @@ def report(*directories, fails=False, run=sketchily):
 
 
 def plain(html):
-    """What a reader reads."""
+    """Text of a page as a browser shows it."""
     html = re.sub(r"<(script|style)\b.*?</\1>", " ", html, flags=re.S)
     return re.sub(r"\s+", " ", re.sub(r"<[^>]+>", " ", html))
 
@@ -196,7 +196,7 @@ def test_of_several_attempts_the_last_that_ended_is_told(tmp_path):
     page, record, _ = report(made.make(tmp_path / "s", scored))
     assert record["verdict"]["attempt"] == 2 and record["verdict"]["attempts"] == 3
     assert headline(page).startswith("Passed: one metric")
-    assert [p["passed"] for p in record["curve"]] == [False, True], "who waits has not tried"
+    assert [p["passed"] for p in record["curve"]] == [False, True], "an attempt that waits does not count"
     assert "Attempts of this session" in page and "Attempt 2 of 3" in page
 
 
@@ -256,11 +256,11 @@ def test_paths_are_drawn_in_the_world_over_the_scene(whole):
     drawn = page[page.index('id="turn"'):page.index('id="turn-hint"')]
     assert len(data["shapes"]) == len(re.findall(r'class="[pr]"', drawn)) > 50
     assert len(data["paths"]) == drawn.count('class="t"') and len(data["marks"]) == drawn.count('class="m"') == 2
-    assert page.count('class="scene"') == 4, "one to turn and three projections"
+    assert page.count('class="scene"') == 4, "one view that rotates, and three projections"
 
 
 def test_the_script_s_data_are_in_the_order_of_the_drawing(whole):
-    """Its projection of a shape is what stands in the drawing, for each of them."""
+    """The projection of each shape in the data equals the path in the drawing."""
     page = whole[1]
     data = json.loads(re.search(r'id="turn-data">(.*?)</script>', page).group(1))
     view = page[page.index('id="turn"'):page.index('id="turn-hint"')]
@@ -301,7 +301,7 @@ def series_of_sessions(tmp_path, count=3):
 def test_several_sessions_make_a_learning_curve_in_order_of_time(tmp_path):
     first, second, third = series_of_sessions(tmp_path)
     page, record, said = report(second, first, third)
-    assert "day2/report.html" in said, "the report is the newest one's"
+    assert "day2/report.html" in said, "the report is in the newest session's folder"
     assert [p["session"] for p in record["curve"]] == ["day0", "day1", "day2"]
     assert [p["metrics"]["time"] for p in record["curve"]] == [3.0, 2.5, 2.0]
     shown = page[page.index('id="curve"'):page.index('id="engineering"')]
@@ -333,7 +333,7 @@ def test_a_curve_has_all_that_is_judged_time_and_the_answer_to_the_hazard_first(
                          f"2026-01-0{i + 1}T10:00:00Z") for i in range(2)]
     names, shown = curve_of(report(*folders)[0])
     assert names[:2] == ["time", "hazard response"] and len(names) == 17
-    assert "day0: 0.19 s" in shown and "day1: 0.29 s" in shown, "from the cue, 12 ms behind the injection"
+    assert "day0: 0.19 s" in shown and "day1: 0.29 s" in shown, "from the cue, 12 ms after the injection"
 
 
 def test_attempts_that_failed_look_failed_whatever_their_figures(tmp_path):
@@ -382,7 +382,7 @@ def test_an_old_session_without_an_exercise_has_a_report(tmp_path):
 
 
 def test_an_exercise_without_a_score_says_how_to_get_one(tmp_path):
-    page, _, _ = report(made.make(tmp_path / "s"))  # score_session, where it is built, does not take this log
+    page, _, _ = report(made.make(tmp_path / "s"))  # score_session, if it is built, rejects this log
     assert "Not judged: this session has no score" in page and "score_session DIR" in page
 
 
@@ -410,7 +410,7 @@ def test_hostile_names_are_shown_and_do_nothing(tmp_path):
     assert HOSTILE not in page and "<img src=x" not in page and "alert(2)</script>" not in page
     assert page.count("<script") == 2 and page.count("</script>") == 2, "the view's data and the view's script"
     assert "&lt;img src=x onerror=alert(1)&gt;" in page
-    assert record["session"]["trainee"] == HOSTILE, "JSON says it as it is"
+    assert record["session"]["trainee"] == HOSTILE, "JSON has the name unchanged"
 
 
 def test_hostile_figures_of_the_engineering_part_do_nothing(tmp_path):
@@ -512,7 +512,7 @@ def test_a_browser_shows_it_without_errors_or_overflow(tmp_path, whole, width):
     assert done.returncode == 0, done.stderr
     measured = json.loads(re.search(r'<pre id="measured">(.*?)</pre>', done.stdout).group(1))
     assert measured["window"] == width and measured["page"] <= width and measured["beyond"] == []
-    assert measured["turned"], "the view turns"
+    assert measured["turned"], "the view rotates"
     assert "CONSOLE" not in done.stderr, done.stderr
 
 

@@ -1,4 +1,4 @@
-"""scripts/make_site: what becomes of links, pictures and names of pages; and that the pages of this repository make a site."""
+"""scripts/make_site: how it converts links, pictures and names of pages. It must convert this repository's pages."""
 
 import importlib.machinery
 import importlib.util
@@ -16,7 +16,7 @@ loader.exec_module(make_site)
 
 
 def staged(text, name="doc/session.md", others=("doc/wire.md",)):
-    """(the page as Doxygen gets it, complaints) of a text in the place of a page of ours."""
+    """(the converted page for Doxygen, complaints) for a text that replaces one of our pages."""
     site = make_site.Site([name, *others])
     site.texts[name] = text
     site.sections[name] = make_site.sections(text)
@@ -94,14 +94,14 @@ def checked(root):
 def test_links_of_pages_in_another_place_are_looked_at_there(elsewhere):
     assert checked(elsewhere) == (0, "")
     (elsewhere / "doc/images/plan.png").unlink()
-    (elsewhere / "doc/examples/itp_master.py").unlink()  # named, no page
+    (elsewhere / "doc/examples/itp_master.py").unlink()  # it is named, but is not a page
     assert checked(elsewhere) == (1, "make_site: doc/session.md: shows images/plan.png, which is not there\n")
     (elsewhere / "SECURITY.md").unlink()
     assert checked(elsewhere) == (1, f"make_site: {elsewhere}/SECURITY.md is not there\n")
 
 
 def test_pages_without_the_folder_that_they_name_are_found_fault_with(elsewhere):
-    """The pages of doc/ beside README."""
+    """The pages of doc/ are in README's folder."""
     shutil.copytree(elsewhere / "doc", elsewhere, dirs_exist_ok=True)
     shutil.rmtree(elsewhere / "doc")
     assert checked(elsewhere)[0] == 1

@@ -1,4 +1,4 @@
-"""The reference values that test/unit/training/smoothness_test.cpp holds the program against are the definitions' own."""
+"""The reference values in test/unit/training/smoothness_test.cpp follow from the published definitions."""
 import math
 import pathlib
 import re
@@ -13,14 +13,14 @@ TWO = numpy.concatenate([stroke(1.0), numpy.zeros(50), stroke(1.0)])
 
 
 def references():
-    """{sparc, dlj, ldlj} of the tests there, in their order: the bell, strokes of 1 and 2 s, two strokes with a rest."""
+    """(sparc, dlj, ldlj) of the tests in that file: the bell, strokes of 1 and 2 s, two strokes with a rest."""
     number = r"(-[0-9.]+)"
     found = re.findall(rf"\{{{number}, {number}, {number}\}}", SOURCE.read_text())
     return [tuple(map(float, reference)) for reference in found]
 
 
 def arc_lengths():
-    """Those that stand alone there: four strokes without a rest, a constant speed."""
+    """The separate arc lengths in that file: four strokes without a rest, and a constant speed."""
     return [float(value) for value in re.findall(r"spectralArcLength\(\w+, kRate\)\.value\(\), (-[0-9.]+)",
                                                  SOURCE.read_text())]
 

@@ -31,11 +31,11 @@ def links(robot):
 
 
 def chain(robot, base, tip):
-    """Joints from base to tip, in order; fails where they are not connected."""
+    """Joints from base to tip, in order. Fails if they are not connected."""
     above = {joint.find("child").get("link"): joint for joint in robot.iter("joint")}
     way = []
     while tip != base:
-        assert tip in above, f"{tip} does not hang on {base}"
+        assert tip in above, f"{tip} is not connected to {base}"
         way.append(above[tip])
         tip = above[tip].find("parent").get("link")
     return way[::-1]
@@ -127,7 +127,7 @@ def numbers(element, key):
 
 
 def step(joint, values):
-    """Pose of a joint's child in its parent, as the URDF's specification has it."""
+    """Pose of a joint's child in its parent, as in the URDF specification."""
     origin = joint.find("origin")
     roll, pitch, yaw = numbers(origin, "rpy")
     R = turned((0, 0, 1), yaw) @ turned((0, 1, 0), pitch) @ turned((1, 0, 0), roll)

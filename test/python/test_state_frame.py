@@ -1,4 +1,4 @@
-"""The tests' own reader of state frames reads them where doc/wire.md puts the fields."""
+"""The tests' own reader of state frames reads each field at its offset in doc/wire.md."""
 import pathlib
 import re
 import struct
@@ -24,7 +24,7 @@ def test_size_and_frame_are_those_of_the_page():
 
 
 def test_every_field_stands_at_its_offset():
-    """A payload is written field by field at the page's offsets, each with a number of its own."""
+    """The payload has a different number in each field, written at the page's offset."""
     size, text = section()
     head, arm_table = text.split("An arm;")
     payload, told = bytearray(size), {}

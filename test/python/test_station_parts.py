@@ -1,4 +1,4 @@
-"""Parts of the station that need neither ROS nor a network: hands, choices, sessions on disk, access, messages, words."""
+"""Parts of the station that need neither ROS nor a network: hands, choices, session files, access, messages, words."""
 
 import json
 import math
@@ -59,7 +59,7 @@ def test_what_is_late_does_not_come_after_the_pedal():
     assert device.arms["gold"].position[0] == before
     for i in range(30):
         device.apply(motion((5.0, 0, 0) if i == 0 else (0, 0, 0)), 10.06 + 0.02 * i)
-    assert device.arms["gold"].position[0] == pytest.approx(before + hands.SPEED * hands.LONGEST), "no more than 0.1 s late"
+    assert device.arms["gold"].position[0] == pytest.approx(before + hands.SPEED * hands.LONGEST), "at most 0.1 s late"
 
 
 def test_the_other_arm_moves_alone():
@@ -95,7 +95,7 @@ def test_a_silent_page_lifts_the_pedal_within_100_ms():
     assert not device.watch(0.999 + hands.SILENT) and device.pedal
     assert device.watch(1.0 + hands.SILENT + 0.001) and not device.pedal
     assert hands.SILENT + 0.02 <= 0.1
-    assert not device.watch(5.0), "it is up already"
+    assert not device.watch(5.0), "the pedal is up already"
 
 
 @pytest.mark.parametrize("message", [
@@ -258,10 +258,10 @@ def test_attempts_count_for_the_stage_under_way_alone():
         stages, current = curriculum.follow(STAGES, attempts)
         return current, [(s.in_a_row, s.more, s.attempts) for s in stages]
     assert after("") == (0, [(0, 0, 0)] * 3)
-    assert after("ccc") == (0, [(0, 0, 0)] * 3), "too early"
-    assert after("pPp") == (0, [(1, 0, 3), (0, 0, 0), (0, 0, 0)]), "a failure begins again"
+    assert after("ccc") == (0, [(0, 0, 0)] * 3), "attempts before their stage do not count"
+    assert after("pPp") == (0, [(1, 0, 3), (0, 0, 0), (0, 0, 0)]), "a failure restarts the row"
     assert after("p?p") == (1, [(2, 0, 2), (0, 0, 0), (0, 0, 0)])
-    assert after("ppccCc") == (2, [(2, 0, 2), (2, 1, 4), (0, 0, 0)]), "a failure takes nothing from what comes after the row"
+    assert after("ppccCc") == (2, [(2, 0, 2), (2, 1, 4), (0, 0, 0)]), "a failure keeps the passes after the row"
     assert after("ppcccjj") == (3, [(2, 0, 2), (2, 1, 3), (2, 0, 2)])
 
 
@@ -396,7 +396,7 @@ GUIDES = ("doc/station.md", "doc/tutorials/surgeon_assistant.md", "doc/tutorials
 
 
 def page_text():
-    """All that the pages can say: their files, and the sentences of the station."""
+    """All texts that the pages can show: those of their files, and the sentences of the station."""
     folder = ROOT / "scripts/raven2_station"
     files = [*sorted((folder / "page").iterdir()), *(folder / f"{name}.py" for name in ("words", "station", "supervisor")), ROOT / "src/ros/bridge/services.cpp"]
     text = " ".join(p.read_text(encoding="utf-8") for p in files if p.is_file())
@@ -406,7 +406,7 @@ def page_text():
 
 @pytest.mark.parametrize("guide", GUIDES)
 def test_guides_name_what_the_pages_show(guide):
-    """Words in italics in the numbered steps are what one reads on a page."""
+    """The italic words in the numbered steps are texts of a page."""
     steps = re.findall(r"(?ms)^\d+\. .*?(?=^\d+\. |^\n|^#)", (ROOT / guide).read_text(encoding="utf-8").split("## Appendix")[0])
     named = [" ".join(name.split()) for step in steps for name in re.findall(r"(?<!\*)\*([^*]+)\*(?!\*)", step)]
     assert len(named) >= 1

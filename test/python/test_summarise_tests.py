@@ -1,4 +1,4 @@
-"""scripts/summarise_tests: what it calls passed, failed and skipped."""
+"""scripts/summarise_tests: which tests it counts as passed, failed and skipped."""
 import pathlib
 import subprocess
 import sys
@@ -12,7 +12,7 @@ SKIPPED = '<testsuite><testcase classname="A" name="a"><skipped/></testcase></te
 
 
 def run(folder, status=0, log="", name="plain", **files):
-    """One --run of a folder with these files."""
+    """Makes a folder with these files. Returns its --run option."""
     results = folder / name
     results.mkdir()
     for stem, text in files.items():

@@ -1,7 +1,7 @@
 """Tests of scripts/tune_model, scripts/raven2_tuning.py and the program model_follow.
 
-With RAVEN2_TRAINER_DATA naming the folder of gold_arm_dac_motor_a.csv, also how well the shipped model follows the real
-robot; skipped otherwise, as no recording is shipped.
+One test measures how well the shipped model follows the real robot. It needs RAVEN2_TRAINER_DATA, the folder of
+gold_arm_dac_motor_a.csv, and is skipped without it: no recording is shipped.
 """
 
 import importlib.machinery
@@ -35,7 +35,7 @@ def tune_model():
 
 
 def synthetic_recording():
-    """Motors that go about with a lag behind what they are told, and the DAC of the law in raven2.md 3.1, 3.4, 3.6."""
+    """Motors that lag behind their desired positions, and the DAC of the control law in raven2.md 3.1, 3.4, 3.6."""
     t = np.arange(3000) * 1e-3
     desired = np.column_stack([70 + 3 * np.sin(2 * t), 195 + 5 * np.sin(1.5 * t), 903 + 4 * np.cos(t)])
     motor = np.column_stack([70 + 3 * np.sin(2 * t - 0.1), 195 + 5 * np.sin(1.5 * t - 0.1), 903 + 4 * np.cos(t - 0.1)])
@@ -67,7 +67,7 @@ def test_gravity_compensation_is_taken_out_of_the_dac():
 
 
 def test_coupling_is_that_of_the_robot():
-    # raven2.md 3.3, both printed there
+    # raven2.md 3.3 prints both
     A = [[136.196255, 0, 0], [17.675386, 121.522075, 0], [16.831355, 17.435769, 2158.590308]]
     inverse = [[7.3423458e-3, 0, 0], [-1.0679442e-3, 8.2289576e-3, 0], [-4.8624881e-5, -6.6468475e-5, 4.6326531e-4]]
     np.testing.assert_allclose(tuning.coupling(), A, rtol=1e-6)
@@ -110,7 +110,7 @@ def test_regression_finds_the_motor_it_was_made_with():
     recording = tuning.Recording(np.cumsum(rate, axis=0) * 1e-3, rate, dac(tau))
     inertia, viscous, coulomb, load, explained = tuning.identify(recording, slice(100, -100))
     np.testing.assert_allclose(inertia, 3e-4, rtol=0.03)
-    np.testing.assert_allclose(viscous, 0.002, rtol=0.05)  # smoothing blurs the turns
+    np.testing.assert_allclose(viscous, 0.002, rtol=0.05)  # smoothing blurs the reversals
     np.testing.assert_allclose(coulomb, 0.06, rtol=0.03)
     np.testing.assert_allclose(load, 0.03, rtol=0.03)
     assert (explained > 0.98).all()

@@ -1,5 +1,5 @@
-"""README and the pages of doc: what they tell a reader to type does what they say. All that is marked is run with
-RAVEN2_TRAINER_FULL=1; without it what needs neither ROS nor a clock, and less than a minute."""
+"""The commands in README and the pages of doc have the results that the pages promise. RAVEN2_TRAINER_FULL=1 runs all
+marked commands. Without it, only those run that need neither ROS nor a clock, and less than a minute."""
 
 import os
 import shutil
@@ -74,7 +74,7 @@ def test_a_block_of_python_is_run_by_python(tmp_path):
 
 
 def typed(folder, text, **expected):
-    """What becomes of one block with these commands."""
+    """Runs one block with these commands and checks its results."""
     block = tutorial.Block(tutorial.TUTORIALS[0], 1, expected.pop("seconds", 20.0), text)
     for name, value in expected.items():
         setattr(block, name, value)

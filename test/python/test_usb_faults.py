@@ -1,6 +1,7 @@
-"""libraven2_usb_faults.so in front of a control program that knows nothing of it: what the program reads and receives, and
-what the boards get, against the bytes that went in. The boards are pseudo terminals, the program is
-test/preload/usb_control_loop.cpp. Needs the built library and program, in $RAVEN2_TRAINER_BUILD or build/."""
+"""libraven2_usb_faults.so, preloaded into a control program that knows nothing of it. The tests compare the bytes that
+the program reads and receives, and the bytes that the boards get, with the bytes that were sent. The boards are pseudo
+terminals, the program is test/preload/usb_control_loop.cpp. Needs the built library and program, in
+$RAVEN2_TRAINER_BUILD or build/."""
 
 import contextlib
 import json
@@ -26,12 +27,13 @@ FAULTS = ROOT / "config/faults"
 BATCH = 50  # cycles at once: a terminal holds 4096 bytes, and 50 packets are 1350
 PHRASE = "nobody_is_within_reach"
 JOINT_CHANNELS = (0, 1, 2, 4, 5, 6, 7)
-ENGAGED = 20  # cycle whose boards say pedal down first; the program says so in its write, the next cycle goes by it
+# First cycle in which the boards report pedal down. The program's write repeats it; it counts from the next cycle on.
+ENGAGED = 20
 TICK_0 = ENGAGED + 1
 
 
 def packet_in(cycle, board, level=None):
-    """27 bytes as a board sends them; every cycle and board other counts."""
+    """27 bytes as a board sends them. The counts differ for every cycle and board."""
     rng = random.Random(cycle * 2 + board)
     counts = [rng.randrange(-(1 << 23), 1 << 23) for _ in range(8)]
     level = (3 if cycle >= ENGAGED else 2) if level is None else level
@@ -49,7 +51,7 @@ def packet_itp(number):
 
 
 class Cycle:
-    """What one cycle's calls gave the program, and what it wrote."""
+    """Results and data of the program's reads, receive and writes in one cycle."""
 
     def __init__(self, line):
         words = line.split()
@@ -59,7 +61,7 @@ class Cycle:
 
 
 class Bench:
-    """The program with its two boards and its master; `environment` is what the library is told."""
+    """The program with its two boards and its master. `environment` has the settings of the library."""
 
     def __init__(self, folder, environment=None, preload=True):
         self.masters, self.slaves = zip(*[pty.openpty() for _ in range(2)])
@@ -121,7 +123,7 @@ class Bench:
         self.program.stdin.flush()
 
     def cycles(self, boards, itps=()):
-        """Runs a cycle for each pair of packets. Returns what the program saw and what each board got."""
+        """Runs a cycle for each pair of packets. Returns the program's Cycles and the bytes that each board got."""
         for gold, green in boards:
             os.write(self.masters[0], gold)
             os.write(self.masters[1], green)
@@ -139,7 +141,7 @@ class Bench:
 
 @pytest.fixture(autouse=True)
 def fixture_patience():
-    """A program that waits for ever is a failed test."""
+    """A program that waits forever fails the test."""
     def give_up(*_):
         raise TimeoutError("the program under test waits")
 
@@ -167,7 +169,7 @@ def fixture_keys(tmp_path):
 
 
 def run(bench, count, with_itp=False):
-    """[(cycle, what went in, what the program saw, what the boards got)], 50 cycles at once."""
+    """[(cycle, bytes sent by the boards, Cycle of the program, bytes received by the boards)], 50 cycles at once."""
     for first in range(0, count, BATCH):
         numbers = range(first, min(first + BATCH, count))
         boards = [(packet_in(n, 0), packet_in(n, 1)) for n in numbers]
@@ -177,7 +179,7 @@ def run(bench, count, with_itp=False):
 
 
 def assert_untouched(folder, environment, preload=True):
-    """Runs some cycles in which every byte must arrive; returns what was said on stderr."""
+    """Runs some cycles in which every byte must arrive. Returns the program's stderr."""
     with Bench(folder, environment, preload) as bench:
         assert bench.start_up == [bytes([6, 8]) + bytes(17)] * 2
         for number, boards, seen, got in run(bench, 150, with_itp=True):
@@ -248,12 +250,12 @@ def test_third_row_of_table_1_the_boards_get_a_constant_for_300_cycles_every_800
         for number, boards, seen, got in run(bench, TICK_0 + 16400):
             acts = number >= TICK_0 + 8000 and (number - TICK_0) % 8000 < 300
             assert tuple(seen.read) == boards
-            assert seen.results[3:] == [19, 19], "the program is told nothing"
+            assert seen.results[3:] == [19, 19], "the program does not notice"
             assert got[0] == (with_dac(seen.wrote[0], 0, 800) if acts else seen.wrote[0]), number
             assert got[1] == seen.wrote[1], number
             acted += [number] if got[0] != seen.wrote[0] else []
         bench.leave()
-    assert len(acted) > 590, "but for the few cycles in which the program asked for 800 itself"
+    assert len(acted) > 590, "except a few cycles in which the program itself wrote 800"
     told = json.loads(truth.read_text(encoding="utf-8"))
     assert told["cycles"] == TICK_0 + 16400
     moments = [(entry["inject"]["cycle"], entry["clear"]["cycle"]) for entry in told["injections"]]
@@ -303,7 +305,7 @@ faults:
 
 
 def own(folder, keys, *rows):
-    """The environment for a scenario of these rows, which act from the first cycle on until cleared."""
+    """Writes a scenario of these rows. Returns the environment that selects it."""
     file = folder / "own.yaml"
     file.write_text(SCENARIO + "".join(f"  - {{host: robot, {row}}}\n" for row in rows), encoding="utf-8")
     return {**keys, "RAVEN2_USB_FAULTS": str(file)}
@@ -347,7 +349,7 @@ def test_a_board_that_is_not_written_gets_nothing_and_the_program_does_not_know(
 
 
 def green_first(folder, environment):
-    """The program opens green's board first, as raven2 does where green's serial is the higher one."""
+    """Exchanges the boards: the program opens green's board first, as raven2 does if green has the higher serial."""
     return {**environment, "RAVEN2_USB_FAULTS_GOLD": str(folder / "brl_usb22"),
             "RAVEN2_USB_FAULTS_GREEN": str(folder / "brl_usb49")}
 
@@ -381,7 +383,7 @@ def test_golds_commands_go_to_greens_board(tmp_path, keys):
 
 
 def look(bench):
-    """The program opens and closes both boards once more, beside the descriptors that it works with."""
+    """The program opens and closes both boards once more, while it keeps using its other descriptors."""
     bench.tell("look")
     assert [bench.program.stdout.readline() for _ in range(2)] == ["there\n"] * 2
 

@@ -1,4 +1,4 @@
-"""A session is looked at with the configuration that it keeps a copy of. Needs the programs built."""
+"""Programs draw a session with the session's own copy of the configuration. Needs the programs built."""
 import os
 import pathlib
 import shutil
@@ -40,7 +40,7 @@ def test_an_exercise_of_ones_own_is_drawn_without_being_asked_for_its_files(tmp_
     own = exercise("stay", [("gold", "gold", 1.0)], "{time: {}}")
     (tmp_path / "config/exercises/stay.yaml").write_text(own)
     directory = record(tmp_path / "session", "--config", config, "--exercise", "stay")
-    shutil.rmtree(tmp_path / "config")  # what it was recorded with is gone
+    shutil.rmtree(tmp_path / "config")  # the configuration of the recording is gone
     done = draw(directory, tmp_path / "pictures")
     assert done.returncode == 0 and FALLBACK not in done.stdout, done.stdout
     assert len(list((tmp_path / "pictures").glob("*.png"))) == 1

@@ -1,12 +1,12 @@
-"""README and the pages of doc as programs: their commands in order, and what each promises.
+"""README and the pages of doc as programs: their commands in order, and the results that each block promises.
 
-A block of bash or Python below the line `<!-- run -->` is run, in one shell with all others of its page; `<!-- run: 300 s -->`
-gives it so long (60 s without). The paragraph `Expected: ...;` below it, which may be a comment, says what must come of it:
-`output X` (X stands in what the block printed), `file X` (X is there and not empty), `exit code N` or `N or M` (of the last
-command that failed; 0 unless said). A line `<!-- with: NAME -->` ends the shell: what follows is run in a new one, in a new
-folder, beside BESIDE[NAME].
+A block of bash or Python below the line `<!-- run -->` is run. All blocks of a page share one shell. The time limit is
+60 s; `<!-- run: 300 s -->` sets another one. The paragraph `Expected: ...;` below the block lists the results. It may
+be a comment. Its clauses are `output X` (the block prints X), `file X` (X exists and is not empty), and `exit code N`
+or `N or M` (of the last command that failed; 0 unless given). A line `<!-- with: NAME -->` ends the shell. The next
+blocks run in a new shell, in a new folder, after the commands of `BESIDE[NAME]`.
 
-Commands that are not run say why: `<!-- not run: REASON -->` above them, one of REASONS."""
+A block that is not run has the line `<!-- not run: REASON -->` above it, with one of REASONS."""
 
 import os
 import pathlib
@@ -28,14 +28,14 @@ REASONS = ("needs a real robot", "needs hardware that is not there", "needs reco
            "needs a package that is not in Debian", "needs a window with OpenGL", "changes the firewall", "takes hours",
            "runs this page itself")
 LANGUAGES = ("bash", "python")
-# What is typed on a page, wherever it stands: such lines belong into blocks of bash.
+# Lines of a page that a reader types. They must be in blocks of bash.
 COMMAND = re.compile(r" *(?:sudo |(?:ros(?:run|launch|service|topic|bag|param|test|core)|scripts/\w+|nft|cmake|podman)\b)")
 TERMINAL = "source build/devel/setup.bash\n"
 LIVE = TERMINAL + """(roslaunch raven2_trainer training.launch hazard:=none console:=false output:=$PWD/live > roslaunch.log 2>&1 &)
 until rostopic echo -n 1 /diagnostics 2> /dev/null | grep -q 'raven2_trainer: robot'; do sleep 0.5; done
 until rostopic echo -n 1 /robot/joint_states > /dev/null 2>&1; do sleep 0.5; done
 """
-# Runs before a page's own commands, unseen. Subshells, so that jobs and `wait` are the page's.
+# Commands that run before a page's own; no reader types them. Subshells keep their jobs apart from the page's `wait`.
 BESIDE = {
     "a terminal": TERMINAL,
     "a session": TERMINAL + "rosrun raven2_trainer simulate --seconds 2 --seed 1 --homing quick --output DIR\n",
@@ -44,19 +44,19 @@ BESIDE = {
                                "rosrun raven2_trainer simulate --seconds 2 --seed 1 --homing quick --output DIR\n",
     "a display": "(Xvfb -displayfd 3 -screen 0 1400x900x24 -nolisten tcp 3> display 2> /dev/null &)\n"
                  "until [ -s display ]; do sleep 0.1; done; export DISPLAY=:$(cat display)\n",
-    # Debian has no crtk_msgs: its two messages of the client, from their published text.
+    # Debian has no crtk_msgs. The client's two messages are made from their published text.
     "the daemon and crtk_msgs": LIVE + f"""mkdir -p python/crtk_msgs && touch python/crtk_msgs/__init__.py
 ln -s {ROOT}/test/support/crtk_messages.py python/crtk_msgs/msg.py
 export PYTHONPATH=$PWD/python:$PYTHONPATH
 """,
 }
-PORTS = (36000, 36001, 26002, 36010, 26100)  # config/network.yaml, named in tutorials and launch files
+PORTS = (36000, 36001, 26002, 36010, 26100)  # of config/network.yaml; tutorials and launch files name them
 USUAL_TIME = 60.0
-BEFORE_TIME = 120.0  # of BESIDE
+BEFORE_TIME = 120.0  # [s] of the commands in `BESIDE`
 
 
 class Block:
-    """Commands that are run together. line: of the fence, for messages; text: for bash."""
+    """Commands that run together. line: line of the fence, for messages; text: commands for bash."""
 
     def __init__(self, page, line, seconds, text):
         self.page, self.line, self.seconds, self.text = page, line, seconds, text
@@ -66,7 +66,7 @@ class Block:
         return f"{os.path.relpath(self.page, ROOT)}:{self.line}"
 
     def expect(self, clause):
-        """One clause of `Expected:`. Raises ValueError for one that cannot be checked."""
+        """Adds one clause of `Expected:`. Raises ValueError for a clause that cannot be checked."""
         match = re.fullmatch(r"output `(.+)`|file `(\S+)`|exit code (\d+)(?: or (\d+))?", clause)
         if not match:
             raise ValueError(f"{self.place()}: \"{clause}\" is none of: output `X`, file `X`, exit code N")
@@ -78,7 +78,7 @@ class Block:
 
 
 class Part:
-    """Blocks of a page that share a shell. beside: of BESIDE."""
+    """Blocks of a page that share a shell. `beside` is a key of `BESIDE`, or empty."""
 
     def __init__(self, page, beside):
         self.page, self.beside, self.blocks = page, beside, []
@@ -88,7 +88,7 @@ class Part:
 
 
 def fenced(lines, start):
-    """(commands for bash, index behind it) of the fenced block at `start`."""
+    """(commands for bash, index of the next line) of the fenced block at `start`."""
     language = lines[start][3:]
     if not lines[start].startswith("```") or language not in LANGUAGES:
         raise ValueError(f"line {start + 1}: <!-- run --> stands above no block of {' or '.join(LANGUAGES)}")
@@ -98,7 +98,7 @@ def fenced(lines, start):
 
 
 def clauses(lines, start):
-    """Of the paragraph `Expected: ...` that begins at most one empty line below `start`; [] without one."""
+    """Clauses of the paragraph `Expected: ...` below `start`, after empty lines at most. [] without that paragraph."""
     while start < len(lines) and not lines[start]:
         start += 1
     paragraph = []
@@ -112,12 +112,12 @@ def clauses(lines, start):
 
 
 def usual(page):
-    """What is beside a page that does not say: tutorials and README open their terminals themselves."""
+    """Default key of `BESIDE` for a page. Tutorials and README open their terminals themselves."""
     return "" if page in TUTORIALS or page.name == "README.md" else "a terminal"
 
 
 def parts(page):
-    """All that is to be run of a page, in order."""
+    """All parts of a page that have blocks to run, in order."""
     lines, found = page.read_text(encoding="utf-8").split("\n"), [Part(page, usual(page))]
     for i, line in enumerate(lines):
         if (beside := WITH.fullmatch(line)):
@@ -137,7 +137,7 @@ def blocks(page):
 
 
 def unmarked(name, text):
-    """Complaints about commands of a page of which nobody says whether they are run."""
+    """Complaints about commands of a page that no line marks as run or not run."""
     lines, wrong, inside = text.split("\n"), [], False
     for i, line in enumerate(lines):
         place, above = f"{name}:{i + 1}", lines[i - 1] if i else ""
@@ -156,7 +156,7 @@ def unmarked(name, text):
 
 
 def free_ports(count):
-    """For UDP and TCP alike, below the range from which the system takes those of outgoing connections."""
+    """Ports free for UDP and TCP, below the range that the system uses for outgoing connections."""
     held, ports = [], []
     for port in range(20000 + os.getpid() % 5000, 32000):
         pair = socket.socket(), socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -174,7 +174,7 @@ def free_ports(count):
     return ports
 
 
-# Stand before ROS's own in PATH, so that what a page types meets ports that nobody else uses.
+# Commands that come before ROS's own in PATH, so that the commands of a page use ports that nobody else uses.
 WRAPPERS = {
     "roscore": 'exec /usr/bin/roscore -p {master} "$@"',
     "roslaunch": 'exec /usr/bin/roslaunch "$@" robot_port:={robot} force_port:={force} sight_port:={sight} '
@@ -183,7 +183,7 @@ WRAPPERS = {
 
 
 class Shell:
-    """A shell in a folder of its own, beside which nobody uses its ports. Use as a context manager."""
+    """A shell in a separate folder, with ports that nobody else uses. Use as a context manager."""
 
     def __init__(self, folder):
         self.folder, self.log = folder / "work", folder / "log"
@@ -223,7 +223,7 @@ class Shell:
                            ROS_MASTER_URI=f"http://127.0.0.1:{self.master}", RAVEN2_TRAINER_SHARE=str(self._share))
         self._bash = subprocess.Popen(["bash"], stdin=subprocess.PIPE, text=True, cwd=self.folder, env=environment,
                                       start_new_session=True)
-        self._type("trap 'code=$?' ERR")  # of the last command that failed
+        self._type("trap 'code=$?' ERR")  # code of the last command that failed
         return self
 
     def _type(self, text):
@@ -231,7 +231,7 @@ class Shell:
         self._bash.stdin.flush()
 
     def run(self, block):
-        """(exit code, output, the folder it is in then). Raises TimeoutError."""
+        """(exit code, output, current folder afterwards). Raises TimeoutError."""
         self.count += 1
         base = self.log / str(self.count)
         base.with_suffix(".sh").write_text(self.with_own_ports(block.text), encoding="utf-8")
@@ -246,7 +246,7 @@ class Shell:
         return int(base.with_suffix(".code").read_text()), read(base), pathlib.Path(folder)
 
     def _is_alive(self):
-        """Whether the shell, or what it started in the background, still runs."""
+        """Whether the shell, or a program that it started in the background, still runs."""
         self._bash.poll()
         try:
             os.killpg(self._bash.pid, 0)
@@ -269,7 +269,7 @@ def read(base):
 
 
 def check(block, code, output, folder):
-    """Raises AssertionError, with what was printed."""
+    """Raises AssertionError with the output if the block broke a promise."""
     told = f"{block.place()}: {{}}; it printed:\n{output[-4000:]}"
     assert code in block.codes, told.format(f"exit code {code}, expected {' or '.join(map(str, sorted(block.codes)))}")
     for text in block.outputs:

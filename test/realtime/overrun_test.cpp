@@ -10,8 +10,8 @@
 #include "raven2_trainer/threads/cyclic_thread.h"
 #include "support/effort.h"
 
-// The bookkeeping of late ticks, judged by what the body itself read from the clock: a busy machine delays the thread
-// and the readings alike.
+// Checks the counting of late ticks against the body's own readings of the clock: a busy machine delays the thread and
+// the readings alike.
 
 namespace raven2_trainer::lockstep {
 namespace {
@@ -29,7 +29,7 @@ void waitUntil(std::int64_t time_ns) noexcept {
   }
 }
 
-/** A body that stalls for 5 ms in every 20th tick and compares what was counted with what it read itself. */
+/** A body that stalls for 5 ms in every 20th tick and compares the thread's counters with its own readings. */
 class StallingBody {
  public:
   static constexpr std::int64_t kStall = 5 * kTickNanoseconds;
@@ -54,7 +54,8 @@ class StallingBody {
   std::atomic<std::int64_t> worst_error_ns{0};
 
  private:
-  /** Once a period, when the stall is caught up: was the stall the only thing that happened, and counted as it was? */
+  /** Called once in a period, after the stall is caught up. Skips the period if another delay disturbed it. Otherwise
+   *  compares the counted event and its lateness with the stall. */
   void judge() noexcept {
     LoopTiming after;
     timing_.tryLoad(&after);
@@ -90,7 +91,7 @@ TEST(Overruns, AStallOfFiveMillisecondsIsOneEventOfItsLength) {
   while (body.judged < wanted && body.disturbed < 20 * wanted)
     ::usleep(2000);
   thread.stop();
-  ASSERT_GE(body.judged.load(), wanted) << "the machine is too busy to judge: " << body.disturbed << " were disturbed";
+  ASSERT_GE(body.judged.load(), wanted) << "the machine is too busy: " << body.disturbed << " periods were disturbed";
   EXPECT_EQ(body.wrong_events.load(), 0);
   EXPECT_EQ(body.wrong_lateness.load(), 0);
   RecordProperty("judged", body.judged.load());
@@ -100,7 +101,7 @@ TEST(Overruns, AStallOfFiveMillisecondsIsOneEventOfItsLength) {
               body.disturbed.load(), 1e-3 * static_cast<double>(body.worst_error_ns.load()));
 }
 
-/** Stalls once and counts what the policy makes of it. */
+/** Stalls once and counts the ticks and slips that the policy makes of the stall. */
 struct OneStall {
   explicit OneStall(std::int64_t stall_ms, threads::CyclicPolicy policy = {}) {
     threads::CyclicThread::Hooks hooks;
@@ -130,7 +131,7 @@ struct OneStall {
 TEST(Overruns, ABacklogUpToTheLimitIsCaughtUpTickByTick) {
   const OneStall stall(100);
   const std::int64_t elapsed = (stall.last_ns - stall.first_ns + kTickNanoseconds / 2) / kTickNanoseconds;
-  // A busy machine may add a slip of its own: then it must be told, and the sum must still be right.
+  // A busy machine may add a slip. It must be reported, and the sum must still be right.
   EXPECT_NEAR(static_cast<double>(stall.counts.ticks - 1) + static_cast<double>(stall.counts.lost_ticks),
               static_cast<double>(elapsed), 30.0);
   EXPECT_EQ(stall.counts.time_slips, static_cast<std::uint64_t>(stall.slips));
@@ -140,8 +141,8 @@ TEST(Overruns, ABacklogUpToTheLimitIsCaughtUpTickByTick) {
 
 TEST(Overruns, AMillisecondMakesUpForFourTicksAtMost) {
   const OneStall stall(100);
-  // The stall left 100 ticks: 20 wake-ups of five ticks, a millisecond apart, the first of them at once and perhaps
-  // late.
+  // The stall left 100 ticks. They take 20 wake-ups of five ticks, a millisecond apart. The first comes at once and may
+  // be late.
   EXPECT_GE(stall.begins[149] - stall.begins[50], 18 * kTickNanoseconds);
 }
 
@@ -155,8 +156,8 @@ TEST(Overruns, ABacklogBeyondTheLimitIsGivenUpAsOneEventThatIsTold) {
 TEST(Overruns, TheHistogramsHoldEveryTickAndWakeUp) {
   const OneStall stall(5);
   EXPECT_EQ(stall.counts.run.total(), stall.counts.ticks);
-  EXPECT_LT(stall.counts.wake_up.total(), stall.counts.ticks) << "catching up needs no waking";
-  EXPECT_GE(stall.counts.wake_up.total() * 5, stall.counts.ticks) << "at most 4 extra steps a wake-up";
+  EXPECT_LT(stall.counts.wake_up.total(), stall.counts.ticks) << "ticks that catch up need no wake-up";
+  EXPECT_GE(stall.counts.wake_up.total() * 5, stall.counts.ticks) << "at most 4 extra ticks in a wake-up";
   EXPECT_GE(stall.counts.run.quantile(1.0), 5 * kTickNanoseconds);
   EXPECT_GE(stall.counts.max_run_ns, 5 * kTickNanoseconds);
 }

@@ -20,8 +20,8 @@
 #include "support/rig.h"
 #include "support/sanitizer.h"
 
-// What the 1 kHz threads ask of the kernel, told by the kernel itself: a filter on each of them, put there once warm,
-// lets the few calls pass that such a thread may make and turns every other one into a signal.
+// The system calls of the 1 kHz threads, reported by the kernel itself. Each thread installs a filter after warming up.
+// The filter lets the few allowed calls pass and turns every other call into a signal.
 
 #if defined(__x86_64__) && !defined(RAVEN2_HAS_SANITIZER)
 
@@ -40,7 +40,7 @@ extern "C" void onForbiddenCall(int, siginfo_t* info, void* context) {
   static_cast<ucontext_t*>(context)->uc_mcontext.gregs[REG_RAX] = -ENOSYS;  // as if the kernel had no such call
 }
 
-/** "number x count" of each call caught. */
+/** "number x count" of each caught call. */
 std::string caughtCalls() {
   std::string text;
   for (std::size_t i = 0; i < kCalls; ++i) {
@@ -60,14 +60,14 @@ void expectSignals() {
 
 #define ALLOW(number) BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, number, 0, 1), BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW)
 
-/** For the calling thread alone, to its end. @return false if the kernel has no such filters. */
+/** Filters the calling thread alone, until it ends. @return false if the kernel has no such filters. */
 bool installFilter() noexcept {
   sock_filter program[] = {
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
       ALLOW(SYS_clock_nanosleep),  // the next release
       ALLOW(SYS_getrusage),        // page faults, once a second
-      ALLOW(SYS_rt_sigreturn),     // out of our own handler
-      ALLOW(SYS_exit),             // of the thread
+      ALLOW(SYS_rt_sigreturn),     // return from our own handler
+      ALLOW(SYS_exit),             // end of the thread
       // write of 8 bytes to something that is not a standard stream: the eventfd that wakes the sender
       BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_write, 0, 4),
       BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args[2])),
@@ -83,7 +83,7 @@ bool installFilter() noexcept {
 }
 
 TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
-  // GIVEN the daemon's two loops in contact, with records, relay and force, warm for half a second
+  // GIVEN the daemon's two loops in contact, with records, relay and force, after half a second of warming up
   expectSignals();
   raven2_trainer::testing::useOde();
   const threads::MemoryLock memory = threads::lockMemory();
@@ -105,7 +105,7 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
   const LoopTiming physics = loops.timing(LoopId::kPhysics), haptic = loops.timing(LoopId::kHaptic);
   const std::uint64_t major = physics.major_faults + haptic.major_faults;
   EXPECT_TRUE(!memory.locked || major == 0) << major << " pages came from disk";
-  EXPECT_NE(loops.haptic().error[0], 0.0) << "no robot to be felt: the loops were idle";
+  EXPECT_NE(loops.haptic().error[0], 0.0) << "no error between model and robot: the loops were idle";
   std::printf("%llu physics and %llu haptic ticks; minor page faults %llu and %llu, major %llu; %s\n",
               static_cast<unsigned long long>(physics.ticks), static_cast<unsigned long long>(haptic.ticks),
               static_cast<unsigned long long>(physics.minor_faults),
@@ -113,7 +113,7 @@ TEST(SystemCalls, TheLoopsMakeNoneButTheirOwn) {
               memory.words.c_str());
 }
 
-/** A tick of a session that never was, and in each clutch the request that it be shown. */
+/** Queues a tick of an invented session, and in each clutch the request to replay it. */
 void offerReplay(daemon::DrivenLoops* loops, std::uint64_t tick) noexcept {
   const ModelState model = loops->model();
   ReplayFrame frame;
@@ -152,7 +152,7 @@ TEST(SystemCalls, AShownSessionMakesNoneEither) {
   ASSERT_EQ(filtered.load(), 2) << "no filter, nothing shown";
   EXPECT_EQ(caughtCalls(), "");
   EXPECT_GT(shown.load(), 50);
-  EXPECT_GT(returned.load(), 0) << "this robot follows what is shown, so the model has to go to it";
+  EXPECT_GT(returned.load(), 0) << "this robot follows the replay, so the model has to return to it";
 }
 
 TEST(SystemCalls, AForbiddenOneIsCaught) {

@@ -9,10 +9,10 @@
 
 #include "support/sanitizer.h"
 
-// Counts the calls of the allocator, and those that lock a mutex. It replaces the allocator of the whole program, so
-// that libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees them (measured).
-// Weak, as several sources of a program may include it; what is linked in still comes before libc's. Sanitizers bring
-// their own allocator: nothing is defined under them.
+// Counts the calls of the allocator, and the locks of mutexes. It replaces the allocator of the whole program, so that
+// libode's and libstdc++'s calls are counted too; neither -Wl,--wrap nor dSetAllocHandler sees them (measured). The
+// definitions are weak because several sources of a program may include them; they still come before libc's. Sanitizers
+// bring their own allocator: nothing is defined under them.
 
 #ifndef RAVEN2_HAS_SANITIZER
 #define RAVEN2_COUNTS_ALLOCATIONS
@@ -56,7 +56,7 @@ RAVEN2_WEAK void* aligned_alloc(std::size_t alignment, std::size_t size) {
   raven2_trainer::testing::count();
   return __libc_memalign(alignment, size);
 }
-// libode's, libstdc++'s and ours: an uncontended lock makes no system call, so only this tells.
+// For libode's, libstdc++'s and our locks: an uncontended lock makes no system call, so only this counts it.
 RAVEN2_WEAK int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
   using Function = int (*)(pthread_mutex_t*);
   static const auto real = reinterpret_cast<Function>(dlsym(RTLD_NEXT, "pthread_mutex_lock"));

@@ -1,5 +1,5 @@
-"""Of crtk_msgs 1.3.0 what tests use, from its published text: Debian has no such package. Stands in for the module
-crtk_msgs.msg where commands of doc/crtk.md are run."""
+"""The messages of crtk_msgs 1.3.0 that tests use, from its published text: Debian has no such package. Replaces the
+module crtk_msgs.msg where tests run the commands of doc/crtk.md."""
 
 import genmsg
 import genmsg.gentools
@@ -17,7 +17,7 @@ def message_class(name):
 
 
 def service_class(name, request, response):
-    """As gensrv makes it of both halves of a .srv."""
+    """A service's class from both halves of its .srv, as gensrv makes it."""
     context = genmsg.MsgContext.create_default()
     parts = {}
     for part, text in ((f"{name}Request", request), (f"{name}Response", response)):

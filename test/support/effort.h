@@ -11,7 +11,7 @@ inline bool isFull() {
   return full != nullptr && full[0] == '1';
 }
 
-/** How often to repeat: the figure of the promise in the long form, a part of it otherwise. */
+/** How often to repeat: the promised number in the long form, a part of it otherwise. */
 inline std::int64_t effort(std::int64_t quick, std::int64_t full) {
   return isFull() ? full : quick;
 }

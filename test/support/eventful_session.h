@@ -21,7 +21,7 @@ using raven2_trainer::testing::packagedConfig;
 using raven2_trainer::testing::Rig;
 using raven2_trainer::testing::ServoClient;
 
-/** A session in which everything happens that physics can be given, recorded as the daemon records it. */
+/** A session with every kind of input that physics accepts, recorded as the daemon records it. */
 class EventfulSession {
  public:
   explicit EventfulSession(const std::string& directory, std::uint64_t seed = packagedConfig().seed)
@@ -91,7 +91,7 @@ class EventfulSession {
     }
   }
 
-  /** Into the scene, out of its way, and disengaged. */
+  /** The tool moves into the scene, then with collisions off, then disengaged. */
   void collisions() {
     for (int i = 0; i < 700; ++i)
       rig.tick(true, {0.0, 0.0, 50e-6});
@@ -104,7 +104,7 @@ class EventfulSession {
     rest(false, 300);
   }
 
-  /** Refused, cancelled while under way, one too many, and followed. */
+  /** Plans that are refused, cancelled while the planner works, too many at once, and followed. */
   void plans() {
     rest(true, 5);
     request(RequestKind::kPlan, 11);
@@ -124,7 +124,7 @@ class EventfulSession {
     until(Mode::kTeleoperating, true);  // the model goes back first
   }
 
-  /** A goal chosen and planned for, a trial of the whole path, some of it on the robot, and a goal given up. */
+  /** A goal is chosen and planned. The model executes the whole path, the robot a part. Another goal is abandoned. */
   void executions() {
     request(RequestKind::kBeginPlanning, 40);
     rest(false, 2);
@@ -157,7 +157,7 @@ class EventfulSession {
     ASSERT_EQ(rig.model().mode, mode);
   }
 
-  /** Pure simulation and back, the camera, a stop away from the robot, and a trial repeated. */
+  /** Pure simulation and back, the camera, a stop with the model away from the robot, and a trial that is repeated. */
   void training() {
     request(RequestKind::kBeginSimulation, 60);
     request(RequestKind::kSetView, 61, true);
@@ -208,7 +208,7 @@ class EventfulSession {
     until(Mode::kPedalUp, false);
   }
 
-  /** CRTK clients: servos and moves of both arms, the console that takes over, a stop, and enabling again. */
+  /** A CRTK client: servos and moves of both arms, the console that takes over, a stop, and a second enable. */
   void clients() {
     ServoClient client(&rig);
     ASSERT_TRUE(client.enable());
@@ -252,7 +252,7 @@ class EventfulSession {
     ASSERT_EQ(rig.model().mode, ticks > 40 || !ends ? Mode::kReplaying : Mode::kPedalUp) << number;
   }
 
-  /** To its end; without any more of it, and given up; the same for a press; and one with a refused one in it. */
+  /** Replays that run to their end, run out of frames and are ended, are ended by a press, and refuse a second one. */
   void replays() {
     rest(false, 60);
     replay(1, 30, true);
@@ -287,7 +287,7 @@ class EventfulSession {
     until(Mode::kPedalUp, false);  // the model went on alone and goes back
   }
 
-  /** Of a client, on both arms of the model alone. */
+  /** A client's forces, on both arms of the model alone. */
   void forces() {
     ServoClient client(&rig);
     ASSERT_TRUE(client.enable());

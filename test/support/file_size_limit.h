@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::testing {
 
-/** A disk that is full beyond so many bytes of any one file, for the life of this object. */
+/** Simulates a full disk while this object lives: no file can grow beyond so many bytes. */
 class FileSizeLimit {
  public:
   explicit FileSizeLimit(std::uint64_t bytes) {

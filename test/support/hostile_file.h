@@ -12,7 +12,7 @@
 
 namespace raven2_trainer::testing {
 
-/** [bytes] most memory this process has held since resetPeak(); Linux's "VmHWM". 0 where it cannot be told. */
+/** [bytes] most memory this process has held since resetPeak(); Linux's "VmHWM". 0 where it is not available. */
 inline long peakMemory() {
   std::ifstream status("/proc/self/status");
   for (std::string word; status >> word;) {
@@ -22,19 +22,19 @@ inline long peakMemory() {
   return 0;
 }
 
-/** Makes the peak what is held now. */
+/** Sets the peak to the memory that is held now. */
 inline void resetPeak() {
   std::ofstream("/proc/self/clear_refs") << "5";
 }
 
-/** [s] of this process alone, whatever else the machine does. */
+/** [s] processor time of this process alone, whatever else the machine does. */
 inline double processorSeconds() {
   return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
 }
 
 /**
- * Writes the file and loads it: the refusal starts with FILE:LINE:, contains `reason` and is no longer than a screen;
- * it took at most a second of processor time and 64 MiB (reliability promise on hostile files).
+ * Writes the file and loads it. The refusal starts with FILE:LINE:, contains `reason` and is no longer than a screen.
+ * It takes at most a second of processor time and 64 MiB (reliability promise on hostile files).
  */
 template <typename Exception, typename Load>
 void expectRefusedCheaply(const std::string& name,
@@ -54,7 +54,7 @@ void expectRefusedCheaply(const std::string& name,
   const double begin = processorSeconds();
   try {
     load(path);
-    ADD_FAILURE() << "accepted";
+    ADD_FAILURE() << "the file was accepted";
   } catch (const Exception& e) {
     message = e.what();
   }

@@ -1,4 +1,4 @@
-"""doc/interfaces.md as data: the names in its tables. A name may end in `*`, for all that begins so."""
+"""doc/interfaces.md as data: the names in its tables. A name may end in `*`, for all names that begin like it."""
 
 import fnmatch
 import pathlib
@@ -22,7 +22,7 @@ def names(title, column=0):
 
 
 def rows(title):
-    """A section's table: a list of rows, each a list of cells, the head and the line below it left out."""
+    """A section's table: a list of rows, each a list of cells, without the head and the line below it."""
     lines = [line for line in section(title).split("\n") if line.startswith("|")]
     return [[cell.strip() for cell in line.split("|")[1:-1]] for line in lines[2:]]
 
@@ -37,5 +37,5 @@ def unknown(known, found):
 
 
 def gone(known, found):
-    """Names on the page that nothing found is."""
+    """Names on the page that match none of the found names."""
     return sorted(each for each in known if not any(has({each}, name) for name in found))

@@ -8,8 +8,8 @@
 
 namespace raven2_trainer::testing {
 
-/** Lets `count` ticks of a session that never was wait to be shown: from where the model is now both tools go in and
- *  out by 8 mm, and the first body rises by 10 um a tick. @param[in] ends with its end behind them. */
+/** Queues `count` ticks of an invented session for replay: from the model's place both tools go in and out by 8 mm, and
+ *  the first body rises by 10 um a tick. @param[in] ends whether the session's end follows. */
 inline void offerSession(SharedState* shared, std::uint32_t replay, int count, bool ends) {
   const ModelState model = shared->model.load();
   ReplayFrame frame;

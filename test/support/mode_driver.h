@@ -18,7 +18,7 @@ inline double apart(const Vec3& a, const Vec3& b) {
   return (toEigen(a) - toEigen(b)).norm();
 }
 
-/** Leads the loops into any mode, as surgeon and operator would. */
+/** Brings the loops into any mode, as surgeon and operator would. */
 class ModeDriver {
  public:
   static TrainerConfig configuration() {
@@ -31,7 +31,7 @@ class ModeDriver {
   explicit ModeDriver(const TrainerConfig& config = configuration(), double trial_limit = loop::kTrialLimit)
       : rig(config, trial_limit) {}
 
-  /** Homes the robot. @return whether it is. */
+  /** Homes the robot. @return whether it is homed. */
   bool begin() {
     if (!rig.home()) return false;
     rest(false, 200);
@@ -50,7 +50,8 @@ class ModeDriver {
       tick(command);
   }
 
-  /** Both hands forward and up, clear of the scene, and the gold one turning; from rest to rest, whole micrometres. */
+  /** Moves both masters forward and up, clear of the scene, and rotates the gold one; from rest to rest, in whole
+   *  micrometres. */
   void stroke(int ticks, double direction, double grasp = 0.0) {
     for (int i = 0; i < ticks; ++i) {
       const double speed = std::round(direction * 25.0 * (1.0 - std::cos(2.0 * kPi * i / ticks))) * 1e-6;
@@ -68,7 +69,7 @@ class ModeDriver {
     }
   }
 
-  /** Asks, lets a tick pass with the pedal as it is. @return the answer. */
+  /** Sends the request and lets a tick pass. @return the answer. */
   PlanningAnswer ask(RequestKind kind, bool pedal = false, std::uint8_t on_robot = 0, std::uint8_t enabled = 0) {
     Request request;
     request.kind = kind;
@@ -77,7 +78,7 @@ class ModeDriver {
     return ask(request, pedal);
   }
 
-  /** For a session that never was to be shown. */
+  /** Asks for the replay of an invented session. */
   PlanningAnswer beginReplay(int ticks, bool ends, bool pedal = false) {
     Request request;
     request.kind = RequestKind::kBeginReplay;
@@ -93,7 +94,7 @@ class ModeDriver {
     return rig.model().planning.answered == last_id ? rig.model().planning.answer : PlanningAnswer::kNone;
   }
 
-  /** Answers a plan that was asked for, if one was: some millimetres to the side. */
+  /** Answers a waiting plan request, if there is one, with a path of some millimetres to the side. */
   void answerPlan(bool pedal = false) {
     PlanRequest asked;
     if (!rig.shared->plan_requests.tryPop(&asked)) return;
@@ -116,12 +117,12 @@ class ModeDriver {
   Vec3 robotTip(Arm arm = Arm::kGold) const { return at(rig.robot().arms, arm).p_BT; }
   ExecutionReport report() const { return rig.shared->last_execution.load(); }
 
-  /** The robot's true tip, whatever it says. */
+  /** The robot's true tip, whatever the robot reports. */
   Vec3 trueTip(Arm arm) const {
     return toArray(kinematics::forward(rig.config.arms.geometry, arm, rig.plant.jointPositions(arm)).p);
   }
 
-  /** With the pedal up, until this mode comes. @return whether it did. */
+  /** Waits for this mode. @return whether it came. */
   bool waitFor(Mode wanted, int limit = 6000, bool pedal = false) {
     for (int i = 0; i < limit && mode() != wanted; ++i)
       rest(pedal, 1);
@@ -129,7 +130,7 @@ class ModeDriver {
   }
 
   Rig rig;
-  std::function<void()> watch;  ///< looks after every tick
+  std::function<void()> watch;  ///< called after every tick
   std::uint32_t last_id{0}, replays{0};
 };
 

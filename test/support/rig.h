@@ -25,7 +25,7 @@
 
 namespace raven2_trainer::testing {
 
-/** The virtual robot is homed after 0.8 s instead of 17. */
+/** Shortens homing: the virtual robot is homed after 0.8 s instead of 17. */
 inline void homeQuickly(TrainerConfig* config) {
   config->virtual_raven.full_homing = false;
   config->virtual_raven.homing_time = 0.3;
@@ -41,13 +41,13 @@ inline TrainerConfig packagedConfig() {
   return packaged;
 }
 
-/** The only row of a scenario of the library, to be changed. */
+/** The only fault of a scenario of the library, for a test to change. */
 inline Fault& onlyFaultOf(TrainerConfig* config, const std::string& scenario) {
   return config->scenarios[config::faultId(*config, scenario) - 1].faults.at(0);
 }
 
-/** The robot of a configuration. Each URDF is read once, with its meshes, and checked against the arms of then. Not for
- *  several threads. */
+/** The robot of a configuration. Each URDF and its meshes are read once, and checked against the arms of that first
+ *  configuration. Not for several threads. */
 inline model::RavenModel robotOf(const TrainerConfig& config) {
   static std::map<std::string, model::RavenModel> read;
   if (read.count(config.robot_urdf) == 0) read[config.robot_urdf] = model::loadRavenModel(config);
@@ -82,7 +82,7 @@ class Rig {
 
   /** Every test of the loops ends with counters that add up. */
   ~Rig() {
-    record = nullptr;  // whoever recorded is gone
+    record = nullptr;  // the recorder may be gone
     relayed += discard(&shared->relay_packets);
     drain();
     if (const char* wrong = wrongSum(counts())) ADD_FAILURE() << "the counters do not add up: " << wrong;
@@ -104,7 +104,7 @@ class Rig {
     link.receive(buffer.data(), wire::encodeHello(++frame_sequence, true, buffer.data()), now_ns);
   }
 
-  /** A packet from the masters after a millisecond, in which nothing else may happen; its number is filled in. */
+  /** Advances by a millisecond and sends a packet from the masters; fills in its number. Steps no loop. */
   void send(MasterCommand command) {
     now_ns += kTickNanoseconds;
     command.sequence = ++master_sequence;
@@ -112,7 +112,7 @@ class Rig {
     ingest.receive({bytes.data(), bytes.size(), 1, now_ns});
   }
 
-  /** The robot's next frame says this, whatever the robot does; from now on nothing of ours reaches the robot. */
+  /** Receives this state in place of the robot's next frame. From now on robot and daemon are disconnected. */
   void hear(RobotState* state) {
     robot_connected = false;
     state->time_ns = now_ns + kTickNanoseconds;
@@ -137,7 +137,7 @@ class Rig {
     tick(command);
   }
 
-  /** Lets the robot home before the daemon hears of it, then steps with the pedal up. @return false if it never is. */
+  /** Lets the robot home before it sends frames, then steps with the pedal up. @return false if it does not home. */
   bool home() {
     for (int i = 0; i < 20000 && software.state().runlevel != RunLevel::kPedalUp; ++i)
       plant.step(software.cycle(plant.read()));
@@ -167,11 +167,11 @@ class Rig {
   loop::RobotLink link;
   raven::ControlSoftware software;
   plant::Plant plant;
-  bool robot_connected{true};  ///< false: the robot's frames are lost, ours do not reach it
-  bool robot_hears{true};      ///< false: ours do not reach it, its frames come all the same
+  bool robot_connected{true};  ///< false: frames are lost in both directions
+  bool robot_hears{true};      ///< false: frames to the robot are lost, but its own are received
   bool tells_sequence{true};   ///< false: its frames have no last sequence
   std::uint64_t relayed{0}, forces_taken{0};
-  std::function<void()> record;  ///< what a recorder does after each tick; without one the records are thrown away
+  std::function<void()> record;  ///< a recorder's work after each tick; without it the records are thrown away
   RelayPacket last_relay{};
 
  private:
@@ -198,7 +198,7 @@ class Rig {
     link.receive(buffer.data(), wire::encodeState(++frame_sequence, state, buffer.data()), now_ns);
   }
 
-  /** What sender and recorder do elsewhere. */
+  /** Empties the rings, as sender and recorder do in the daemon. */
   void drain() {
     forces_taken += discard(&shared->force_packets);
     if (record) record();
@@ -228,7 +228,7 @@ class Rig {
   std::array<std::uint8_t, wire::kMaxFrame> buffer{};
 };
 
-/** 30 um of the gold tip towards a place in the world. */
+/** Command that moves the gold tip by 30 um towards a place in the world. */
 inline MasterCommand goldTowards(const Rig& rig, const Vec3& p_W) {
   const Matrix3 R_WB = model::armBaseRotation(Arm::kGold);
   const Vector3 tip_W = R_WB * toEigen(rig.model().arms[0].p_BT) + toEigen(at(rig.config.arms.rcm_W, Arm::kGold));

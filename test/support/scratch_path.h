@@ -10,14 +10,14 @@
 
 namespace raven2_trainer::testing {
 
-/** A folder of this process alone; it goes when the process ends by itself. */
+/** A folder of this process alone. It is removed when the process ends normally. */
 class ScratchFolder {
  public:
   ScratchFolder() : path_((std::filesystem::path(::testing::TempDir()) / "raven2_XXXXXX").string()) {
     if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("no folder can be made like " + path_);
   }
   ~ScratchFolder() {
-    std::error_code kept;  // nobody is left who could be told
+    std::error_code kept;  // ignored: nobody could receive an error any more
     std::filesystem::remove_all(path_, kept);
   }
   ScratchFolder(const ScratchFolder&) = delete;

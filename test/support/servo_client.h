@@ -7,8 +7,8 @@
 
 namespace raven2_trainer::testing {
 
-/** A CRTK client of both arms at the loops' rings; the surgeon's console is there all the while, its pedal up unless a
- *  test presses it. */
+/** A CRTK client of both arms, connected to the loops' rings. The surgeon's console sends as well, with its pedal up
+ *  unless a test presses it. */
 class ServoClient {
  public:
   explicit ServoClient(Rig* loops) : rig(*loops) {}
@@ -45,7 +45,7 @@ class ServoClient {
     send(c);
   }
 
-  /** Sends it, and lets a tick pass. @return why it did nothing. */
+  /** Sends a command and lets a tick pass. @return why it was refused, or kNone. */
   template <typename... Parts>
   ServoRefusal ask(Parts... parts) {
     send(parts...);
@@ -63,7 +63,7 @@ class ServoClient {
     while (rig.shared->servo_refused.tryPop(&last))
       ++refusals;
   }
-  /** Until the set point may move; after a pause goes on. @return whether it may. */
+  /** Enables, or resumes after a pause, and waits until the set point may move. @return whether it may. */
   bool enable() {
     send(state().state == OperatingState::kPaused ? StateCommand::kResume : StateCommand::kEnable);
     for (int i = 0; i < 3000; ++i) {
@@ -85,7 +85,7 @@ class ServoClient {
   std::uint64_t refusals{0};
 };
 
-/** [m] moved by, and turned by [rad] about z of B. */
+/** The pose, shifted by `by` [m] and rotated by `turn` [rad] about z of B. */
 inline RigidPose beside(const RigidPose& pose, const Vector3& by, double turn = 0.0) {
   const Quaternion q = Eigen::AngleAxisd(turn, Vector3::UnitZ()) * toEigen(pose.q);
   return {toArray(Vector3(toEigen(pose.p) + by)), toArray(q.normalized())};

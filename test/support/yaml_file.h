@@ -10,11 +10,11 @@
 
 #include "raven2_trainer/core/exceptions.h"
 
-// Files of configuration that a test makes, and what is said about bad ones.
+// Configuration files that a test writes, and checks of the error messages about bad ones.
 
 namespace raven2_trainer::testing {
 
-/** A file in a folder of its own that is there for the time of a test. */
+/** A file in a new folder, both removed with this object. */
 class TemporaryFile {
  public:
   TemporaryFile(const std::string& name, const std::string& text)
@@ -34,22 +34,22 @@ class TemporaryFile {
   std::string path_;
 };
 
-/** A text with the first place of one piece replaced. */
+/** The text with the first occurrence of `from` replaced. */
 inline std::string replaced(std::string text, const std::string& from, const std::string& to) {
   const std::size_t place = text.find(from);
   if (place == std::string::npos) {
-    ADD_FAILURE() << from << " is nowhere";
+    ADD_FAILURE() << from << " is not in the text";
     return text;
   }
   return text.replace(place, from.size(), to);
 }
 
-/** `load` throws, naming that line of the file and, if asked for, more. */
+/** Checks that `load` throws, and that the message names this line of the file and contains `says`. */
 template <typename Load>
 void expectRefused(Load load, const std::string& text, int line, const std::string& says = "") {
   try {
     load(text);
-    ADD_FAILURE() << "taken, but should say: line " << line << ", " << says;
+    ADD_FAILURE() << "accepted, but should be refused: line " << line << ", " << says;
   } catch (const ConfigException& e) {
     const std::string said = e.what(), place = ".yaml:" + std::to_string(line) + ":";
     EXPECT_NE(said.find(place), std::string::npos) << said << " | " << place;
@@ -57,7 +57,7 @@ void expectRefused(Load load, const std::string& text, int line, const std::stri
   }
 }
 
-/** A good text with a piece of it made bad, and the line that must be named for it. */
+/** A piece of a good text, the bad piece that replaces it, and the line that the message must name. */
 struct BadPiece {
   const char* from;
   const char* to;

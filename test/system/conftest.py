@@ -1,4 +1,4 @@
-"""Makes `stack` importable and skips, saying so, where the programs are not built."""
+"""Makes `stack` importable. Skips the tests, with the reason, where the programs are not built."""
 
 import os
 import sys

@@ -1,5 +1,5 @@
 // Floods a UDP port of this computer: 124-byte datagrams by sendmmsg, as fast as one core gives. For the system tests.
-//   flood PORT SECONDS    prints how many a second were handed to the kernel
+//   flood PORT SECONDS    prints how many a second the kernel accepted
 
 #include <netinet/in.h>
 #include <sys/socket.h>

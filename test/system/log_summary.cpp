@@ -1,5 +1,6 @@
-// log_summary: names of logs on stdin, on stdout a line each: the intact records of every kind, bad bytes, truncated
-// bytes. log_summary --make FILE: a small log with records of every kind. For the comparison with the Python reader.
+// log_summary: reads names of logs from stdin. Prints a line for each: number of intact records of every kind, bad
+// bytes, truncated bytes. log_summary --make FILE: makes a small log with records of every kind. For the comparison
+// with the Python reader.
 
 #include <cstdio>
 #include <iostream>

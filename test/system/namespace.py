@@ -1,4 +1,4 @@
-"""A network namespace with a loopback of its own, in which a test may drop packets without anybody else noticing."""
+"""A network namespace with its own loopback interface. A test may drop packets in it without disturbing others."""
 
 import ctypes
 import itertools
@@ -10,7 +10,7 @@ _numbers = itertools.count()
 
 
 def missing():
-    """Why no namespace can be made here; None if one can."""
+    """Returns why no network namespace can be made here, or None."""
     try:
         with Namespace() as space:
             space.cut("tcp dport 1")
@@ -37,14 +37,14 @@ class Namespace:
         subprocess.run(["ip", "netns", "del", self.name], check=False)
 
     def cut(self, *what):
-        """From now on such packets vanish without a word to either side, e.g. "tcp dport 26100"."""
+        """Drops matching packets from now on, e.g. "tcp dport 26100". Neither side is notified."""
         self._nft("; ".join(f"add rule inet test in {each} drop" for each in what))  # all at once
 
     def heal(self):
         self._nft("flush", "chain", "inet", "test", "in")
 
     def run(self, function, *arguments):
-        """Calls a function with this thread inside: sockets that it makes stay inside."""
+        """Calls a function with this thread inside. Sockets that the function makes stay inside."""
         libc = ctypes.CDLL(None, use_errno=True)
         with open("/proc/thread-self/ns/net", "rb") as outside, open(f"/run/netns/{self.name}", "rb") as inside:
             self._enter(libc, inside)

@@ -1,4 +1,4 @@
-"""A ROS master of the test's own, asked by its plain XML-RPC interface, and who listens on which address."""
+"""A ROS master for tests, used through its plain XML-RPC interface, and the addresses on which a process listens."""
 
 import os
 import socket
@@ -13,7 +13,7 @@ from stack import BUILD, free_ports, wait_until
 
 
 class _Patient(xmlrpc.client.Transport):
-    """Gives up after 5 s: a test never hangs with its master."""
+    """Gives up after 5 s, so that a test never hangs with its master."""
 
     def make_connection(self, host):
         connection = super().make_connection(host)
@@ -32,12 +32,12 @@ class RosMaster:
         self._process = None
 
     def know_our_messages(self):
-        """For run() and popen(): this package's messages and services."""
+        """Makes this package's messages and services available to run() and popen()."""
         path = os.path.join(BUILD, "devel/lib/python3/dist-packages")
         self._environment["PYTHONPATH"] = path + os.pathsep + os.environ.get("PYTHONPATH", "")
 
     def start(self):
-        """Returns when the master answers; the time is then that of its return."""
+        """Waits until the master answers. Returns the time of the answer."""
         self._process = subprocess.Popen(["rosmaster", "--core", "-p", str(self.port)], env=self._environment,
                                          stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         wait_until(lambda: self.answers() or self._process.poll() is not None, 60, "the ROS master answers")
@@ -66,7 +66,7 @@ class RosMaster:
         return value
 
     def known_of(self, node):
-        """What the master knows of a node: {"published": {...}, "subscribed": {...}, "services": {...}}."""
+        """The master's entries of a node: {"published": {...}, "subscribed": {...}, "services": {...}}."""
         lists = self.ask("getSystemState")
         return {kind: {name for name, nodes in entries if node in nodes}
                 for kind, entries in zip(("published", "subscribed", "services"), lists)}
@@ -76,7 +76,7 @@ class RosMaster:
         return xmlrpc.client.ServerProxy(self.ask("lookupNode", node))
 
     def run(self, *command, seconds=20):
-        """A ROS command-line tool against this master."""
+        """Runs a ROS command-line tool with this master."""
         return subprocess.run(command, env=self._environment, capture_output=True, text=True, timeout=seconds)
 
     def popen(self, *command, stdout=subprocess.DEVNULL):
@@ -90,7 +90,7 @@ class RosMaster:
 
 
 class _Handler(xmlrpc.server.SimpleXMLRPCRequestHandler):
-    protocol_version = "HTTP/1.1"  # one connection for all calls, as the master's own
+    protocol_version = "HTTP/1.1"  # one connection for all calls, as with the real master
 
 
 class _Server(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
@@ -98,8 +98,7 @@ class _Server(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
 
 
 class SlowMaster:
-    """Stands before a master and hands every call on, the first that takes a registration back only after `seconds`; with
-    `always` each call."""
+    """Forwards every call to a master. Delays the first call that unregisters by `seconds`, with `always` each call."""
 
     def __init__(self, master, seconds, always=False):
         self._master, self._seconds, self._connections = master.uri, seconds, threading.local()
@@ -128,19 +127,19 @@ class SlowMaster:
 
 
 def _address(text):
-    """Dotted form of an address of /proc/net: hexadecimal, words in the machine's order; IPv6 by its words."""
+    """Dotted form of an IPv4 address of /proc/net (hexadecimal, in the machine's byte order). IPv6 is unchanged."""
     if len(text) == 8:
         return socket.inet_ntoa(bytes.fromhex(text)[::-1])
     return text
 
 
 def listeners(pid):
-    """[(protocol, address, port)] of a process where something can come in: listening TCP, UDP without a peer."""
+    """[(protocol, address, port)] on which a process accepts input: listening TCP, and UDP without a peer."""
     inodes = set()
     for fd in os.listdir(f"/proc/{pid}/fd"):
         try:
             target = os.readlink(f"/proc/{pid}/fd/{fd}")
-        except FileNotFoundError:  # closed meanwhile
+        except FileNotFoundError:  # closed in the meantime
             continue
         if target.startswith("socket:["):
             inodes.add(target[8:-1])

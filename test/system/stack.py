@@ -1,4 +1,4 @@
-"""The programs as a user starts them: virtual Raven, daemon, console, on ports of their own, without ROS unless asked.
+"""The programs as a user starts them: virtual Raven, daemon, console, on separate ports, without ROS by default.
 
 Used by the system tests and by scripts that measure the running system."""
 
@@ -29,18 +29,18 @@ from state_frame import State  # noqa: E402
 
 
 def effort(quick, full):
-    """How often to repeat: the figure of the promise with scripts/test --full, a part of it otherwise."""
+    """Number of repetitions: the promised one with scripts/test --full, otherwise a part of it."""
     return full if FULL else quick
 
 
-# Below the range from which the system takes ports for outgoing connections (from 32768 on): there a connection of anybody
+# These are below the system's range for outgoing connections, which begins at 32768. In that range, any connection
 # could take a port between its choice here and its use. The rostests have 27000 to 27999.
 FIRST_PORTS = [first for first in range(20000, 32000, 500) if not 27000 <= first < 28000]
-HOMING_TIME = 0.5  # [s] of quick homing instead of 2.5; the arms end at the same joints
+HOMING_TIME = 0.5  # [s] of quick homing, instead of 2.5; the arms end at the same joints
 
 
 def _take_ports():
-    """(lock, ports): 500 ports that no other process takes while this one lives. The lock is an abstract socket."""
+    """(lock, ports): 500 ports that no other test run uses while this process lives. The lock is an abstract socket."""
     for first in random.sample(FIRST_PORTS, len(FIRST_PORTS)):
         lock = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
         try:
@@ -56,7 +56,7 @@ _port_lock, _ports = _take_ports()
 
 
 def free_ports(count):
-    """[count] ports free for UDP and TCP alike on the loopback interface. A port comes again only after all others."""
+    """Ports that are free for UDP and TCP on the loopback interface. A port is returned again only after all others."""
     ports = []
     while len(ports) < count:
         port = next(_ports)
@@ -71,13 +71,13 @@ def free_ports(count):
 
 
 def listens(port):
-    """Whether somebody takes TCP connections there."""
+    """Whether a server accepts TCP connections at this port."""
     with socket.socket() as probe:
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
 def wait_until(condition, seconds, what):
-    """Polls; fails after so many seconds with what was waited for."""
+    """Polls a condition. Fails after `seconds`, and names `what` was awaited."""
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, f"not within {seconds} s: {what}"
@@ -95,11 +95,11 @@ def itp(sequence, pedal, gold=(0, 0, 0), green=(0, 0, 0)):
 
 
 class Stack:
-    """Robot, daemon and console of one session, in a folder of its own. Use as a context manager."""
+    """Robot, daemon and console of one session, in a separate folder. Use as a context manager."""
 
     def __init__(self, folder=None, configure=None, environment=None):
-        """configure: {"network": {"auth": "required"}, ...}: changes to the files of config/; or a function that makes them
-        in what the file holds."""
+        """configure: changes to the files of config/, e.g. {"network": {"auth": "required"}}. A value may also be a
+        function that changes the file's content."""
         self.folder = folder or tempfile.mkdtemp(prefix="raven2_")
         self.output = os.path.join(self.folder, "session")
         self.master_port, self.robot_port, self.force_port, self.sight_port, self.state_port = free_ports(5)
@@ -129,7 +129,7 @@ class Stack:
     def start(self, program, *arguments, prefix=(), ports=None, **options):
         """Starts a program of the package with this stack's configuration and ports; its output goes to NAME.log.
 
-        ports: {"master" | "robot" | "force" | "sight" | "state": number} instead of the stack's own, where something stands between."""
+        ports: {"master" | "robot" | "force" | "sight" | "state": number} instead of the stack's own, for a proxy."""
         numbers = {"master": self.master_port, "robot": self.robot_port, "force": self.force_port,
                    "sight": self.sight_port, "state": self.state_port, **(ports or {})}
         words = [word for name, number in numbers.items() for word in (f"--{name}-port", number)]
@@ -146,7 +146,7 @@ class Stack:
         return self.start("simulator", "--output", self.output, "--no-render", *arguments, **options)
 
     def await_ticks(self):
-        """Until the daemon's loops are recorded."""
+        """Waits until the daemon records its loops."""
         log = os.path.join(self.output, "session.rlog")
         wait_until(lambda: os.path.exists(log) and os.path.getsize(log) > 1 << 17, 60, "the daemon runs")
 
@@ -192,8 +192,8 @@ class Stack:
                 process.send_signal(signal.SIGCONT)
                 process.kill()
                 process.wait()
-        try:  # every test of a finished session ends with counters that add up
-            recovered = os.path.exists(os.path.join(self.output, "recovered.json"))  # its counters died with its process
+        try:  # the counters of every finished session must add up
+            recovered = os.path.exists(os.path.join(self.output, "recovered.json"))  # a killed daemon has no counters
             if failure is None and not recovered and os.path.exists(os.path.join(self.output, "metrics.json")):
                 self.assert_counters_add_up()
         finally:
@@ -201,7 +201,7 @@ class Stack:
 
 
 class RobotStates:
-    """A reader of the robot's TCP frames (doc/wire.md): state() is the newest one as a dict."""
+    """A reader of the robot's TCP frames (doc/wire.md). state() returns the next state as a dict."""
 
     HEADER = struct.Struct("<4sHHIII")
 
@@ -210,7 +210,7 @@ class RobotStates:
         self._bytes = b""
 
     def next(self):
-        """(type, payload) of the next frame; the CRC is checked."""
+        """(type, payload) of the next frame. Checks its CRC."""
         while True:
             if len(self._bytes) >= self.HEADER.size:
                 magic, _, kind, size, _, crc = self.HEADER.unpack_from(self._bytes)
@@ -226,7 +226,7 @@ class RobotStates:
             self._bytes += part
 
     def state(self):
-        """The next state frame."""
+        """State of the next state frame, as a dict."""
         while True:
             kind, payload = self.next()
             if kind == 2:
@@ -236,7 +236,7 @@ class RobotStates:
         self._socket.close()
 
     def wait_for(self, runlevel, seconds):
-        """Takes frames as they come until one has this run level. Returns that state."""
+        """Reads frames until one has this run level. Returns that state."""
         end = time.monotonic() + seconds
         while True:
             state = self.state()
@@ -246,7 +246,7 @@ class RobotStates:
 
 
 def robot_states(port, seconds=10):
-    """A reader of a robot that may not listen yet."""
+    """Connects a reader to a robot that may not listen yet."""
     end = time.monotonic() + seconds
     while True:
         try:
@@ -257,7 +257,7 @@ def robot_states(port, seconds=10):
 
 
 def await_run_level(port, level, seconds=60):
-    """Waits until the robot has this run level. The robot drops a reader that is too slow: then this connects again."""
+    """Waits until the robot has this run level. Connects again if the robot drops this reader as too slow."""
     end = time.monotonic() + seconds
     while True:
         reader = robot_states(port, max(0.0, end - time.monotonic()))

@@ -22,7 +22,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from station_rig import Page, Station  # noqa: E402
 from test_station_browser import ActionChains, Browser, By, Keys, Select  # noqa: E402
 
-# Right of the status text, where nothing moves unless an arm does. @return a number that changes with the picture.
+# Returns a number that changes with the picture. Reads the area right of the status text, where only arms move.
 PRINT = """
 const canvas = document.querySelector('[data-test="picture"]');
 const w = canvas.width, h = canvas.height;
@@ -66,7 +66,7 @@ def start_browser_session(browser):
 
 
 def still(browser):
-    """Until the arms rest: the picture is the same for half a second."""
+    """Waits until the arms rest: the picture must not change for half a second."""
     last, since = None, time.monotonic()
     while time.monotonic() - since < 0.5:
         now = browser.driver.execute_script(PRINT)

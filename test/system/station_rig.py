@@ -1,4 +1,4 @@
-"""A station with a ROS master of its own, as a user starts it; pages by aiohttp's client."""
+"""A station with its own ROS master, as a user starts it, and pages as clients of aiohttp."""
 
 import asyncio
 import json
@@ -15,7 +15,7 @@ STATION = os.path.join(ROOT, "scripts/raven2_station/station")
 
 
 class Station:
-    """Use as a context manager. `sessions`: folder; `url`; start() and kill() as often as wanted."""
+    """Use as a context manager. `sessions` is its folder. start() and kill() may be called repeatedly."""
 
     def __init__(self, *options):
         self._folder = tempfile.TemporaryDirectory(prefix="raven2_station_")
@@ -55,7 +55,7 @@ class Station:
         self.process.wait()
 
     def programs(self):
-        """Names of the programs of a session that run, by the station's own list."""
+        """{name: pid} of the session's programs that run, from the station's own list."""
         try:
             with open(os.path.join(self.sessions, "station_logs/processes.json"), encoding="utf-8") as file:
                 listed = json.load(file)["processes"]
@@ -83,7 +83,7 @@ class Station:
 
 
 class Page:
-    """What a browser page is to the station. Use as an async context manager."""
+    """A page's connection to the station, as a browser makes it. Use as an async context manager."""
 
     def __init__(self, url, page="instructor", origin=None, cookie=True):
         self.url, self.page, self.origin, self.cookie = url, page, origin or url, cookie

@@ -1,5 +1,5 @@
-/* Preloaded into a program: its wall clock is off by the seconds in the file $STEPPED_CLOCK, which may change at any
- * time; every other clock, and all waiting, is the system's own. (libfaketime 0.9.10 makes each absolute
+/* Preloaded into a program: adds the seconds in the file $STEPPED_CLOCK to its wall clock. The file may change at any
+ * time. Every other clock, and all waiting, is the system's. (libfaketime 0.9.10 makes each absolute
  * clock_nanosleep of the monotonic clock fail with EINVAL, whatever DONT_FAKE_MONOTONIC says.) */
 #define _GNU_SOURCE
 #include <fcntl.h>

@@ -1,4 +1,4 @@
-"""The console's end of the links: moves like a surgeon, keeps every force packet; and the robot's newest state."""
+"""The console's end of the links: a surgeon that moves and reads forces. Also a reader of the robot's newest state."""
 
 import socket
 import struct
@@ -9,7 +9,7 @@ from stack import RobotStates, itp, wait_until
 
 
 class Surgeon:
-    """ITP about every millisecond from a thread, to and fro while `pedal` is true."""
+    """Sends ITP about every millisecond from a thread. Moves to and fro while `pedal` is true."""
 
     def __init__(self, stack):
         self.pedal = False
@@ -34,8 +34,8 @@ class Surgeon:
             time.sleep(0.001)
 
     def press(self, is_down, seconds=20):
-        """The pedal, down. Where this thread had no processor for long, the daemon has let the robot go, and wants a new
-        press: it comes after a second."""
+        """Presses the pedal until `is_down`. If this thread got no processor time for long, the daemon has released the
+        robot and needs a new press. This method presses again after a second."""
         pressed = time.monotonic()
         self.pedal = True
 
@@ -51,7 +51,7 @@ class Surgeon:
         wait_until(is_done, seconds, "pedal down")
 
     def read_forces(self):
-        """Forces [mN] of all packets that wait: x, y, z, each gold and green. The last of all stays in last_force."""
+        """Forces [mN] of all waiting packets: x, y, z, each gold and green. last_force keeps the newest one."""
         found = []
         while True:
             try:
@@ -73,8 +73,8 @@ class Surgeon:
 
 
 class LatestState:
-    """Reads all frames of the robot, or of its bridge, in a thread; `state` is the newest, empty before the first. A
-    reader that this machine was too busy for is dropped by the server: it connects again."""
+    """Reads all frames of the robot, or of its bridge, in a thread. `state` is the newest one, empty before the first.
+    If this machine is too busy, the server drops the reader. It then connects again."""
 
     def __init__(self, port):
         self.state = {}
@@ -87,7 +87,7 @@ class LatestState:
         while not self._stop.is_set():
             try:
                 reader = RobotStates(self._port)
-            except OSError:  # not up, or not any more
+            except OSError:  # the server does not run
                 time.sleep(0.01)
                 continue
             try:
@@ -101,4 +101,4 @@ class LatestState:
         return self.state.get("runlevel")
 
     def close(self):
-        self._stop.set()  # the next frame, or none within the reader's 5 s, ends it
+        self._stop.set()  # the thread ends at the next frame, or after the reader's time-out of 5 s

@@ -1,4 +1,4 @@
-"""A small campaign: the same outcomes whatever the number of processes, shards and kills."""
+"""A small campaign has the same outcomes for any number of processes, shards and kills."""
 
 import csv
 import hashlib
@@ -103,7 +103,7 @@ def rows_of(folder, output):
 def test_jobs_kills_and_shards_change_nothing(two, tmp_path):
     wanted = digest(two, "two")
 
-    # killed half-way, its children with it; then resumed with another number of jobs
+    # the campaign is killed after a third of the runs, its children end with it; another number of jobs resumes it
     victim = subprocess.Popen(command(tmp_path, "killed", "--seed", 3, "--jobs", 2), stderr=subprocess.DEVNULL)
     part = tmp_path / "killed" / "outcomes.part"
     wait_until(lambda: lines_in(part) >= RUNS // 3, 120, "a third of the runs")
@@ -114,11 +114,11 @@ def test_jobs_kills_and_shards_change_nothing(two, tmp_path):
     before = lines_in(part)
     assert RUNS // 3 <= before < RUNS
     code, said = run(tmp_path, "killed", "--seed", 3)
-    assert code == 1 and "--resume" in said, "not by accident"
+    assert code == 1 and "--resume" in said, "only with the option"
     assert run(tmp_path, "killed", "--seed", 3, "--jobs", 1, "--resume")[0] == 0
     assert digest(tmp_path, "killed") == wanted
     made = json.loads((tmp_path / "killed" / "timing.json").read_text())["runs"]
-    assert made == RUNS - before, "what was there is not made again"
+    assert made == RUNS - before, "finished runs are not repeated"
 
     # in shards
     for shard in (1, 2, 3):
@@ -128,7 +128,7 @@ def test_jobs_kills_and_shards_change_nothing(two, tmp_path):
     assert merge(tmp_path, "shard2", "shard3", "shard1")[0] == 0
     assert digest(tmp_path, "merged") == wanted
 
-    # and what was made is what was asked for
+    # all runs are there, and have the expected outcomes
     rows = rows_of(two, "two")
     assert [int(row["run"]) for row in rows] == list(range(1, RUNS + 1))
     assert all(row["injected_ms"] for row in rows), "every fault acted"
@@ -148,7 +148,7 @@ def test_an_outcome_that_nobody_expects_fails_what_is_written_all_the_same(tmp_p
     assert lines_in(tmp_path / "a" / "outcomes.csv") == 3 and (tmp_path / "a" / "timing.json").exists()
     (tmp_path / "small_explained.yaml").write_text("program/pedal_down: {allowed: [crash, hang], why: injected}\n")
     code, said = run(tmp_path, "a", "--resume", text=text.replace("repetitions: 2", "repetitions: 1"))
-    assert code == 0 and "explained" not in said, "an explanation is no other campaign"
+    assert code == 0 and "explained" not in said, "an explanation does not change the campaign"
 
 
 def test_another_seed_gives_other_outcomes(two, tmp_path):
@@ -159,7 +159,7 @@ def test_another_seed_gives_other_outcomes(two, tmp_path):
     assert len(here) == len(there) > 4
     tables = [[{k: v for k, v in row.items() if k not in ("seed", "motion_seed")} for row in rows]
               for rows in (here, there)]
-    assert tables[0] != tables[1], "what the seeds are for: motions and faults, not their own columns"
+    assert tables[0] != tables[1], "another seed changes motions and faults, not only its columns"
 
 
 def test_what_cannot_be_run_is_refused_with_its_reason(tmp_path):

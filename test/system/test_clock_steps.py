@@ -1,4 +1,4 @@
-"""The wall clock jumps by an hour, ten times, while robot, daemon and console run: nobody notices but the labels."""
+"""The wall clock jumps by an hour, ten times, while robot, daemon and console run. Only the time labels change."""
 
 import calendar
 import os
@@ -29,7 +29,7 @@ def test_steps_of_the_wall_clock_cost_no_tick_and_no_link(tmp_path):
     clock = str(tmp_path / "clock")
 
     def step_to(seconds):
-        with open(clock, "r+b" if os.path.exists(clock) else "wb") as file:  # in place: the programs have it mapped
+        with open(clock, "r+b" if os.path.exists(clock) else "wb") as file:  # in place: the programs have mapped it
             file.write(struct.pack("<q", seconds))
 
     step_to(10 * HOUR)
@@ -43,7 +43,7 @@ def test_steps_of_the_wall_clock_cost_no_tick_and_no_link(tmp_path):
             step_to((10 + (step + 1) % 2) * HOUR)
             end = time.monotonic() + BETWEEN
             while time.monotonic() < end:
-                last = reader.state()  # as a reader that keeps up
+                last = reader.state()  # every frame: a slow reader is dropped
         assert stack.stop("simulator")[0] == 0, stack.log_text("simulator")
         stack.assert_counters_add_up()
         label = calendar.timegm(time.strptime(stack.meta()["start_time_utc"], "%Y-%m-%dT%H:%M:%SZ"))
@@ -53,7 +53,7 @@ def test_steps_of_the_wall_clock_cost_no_tick_and_no_link(tmp_path):
         elapsed = (last["time_ns"] - first["time_ns"]) / 1e6
         assert elapsed >= 900 * STEPS * BETWEEN
         assert abs(last["cycle"] - first["cycle"] - elapsed) <= 250
-        # no tick was given up, and the daemon's went on with its clock
+        # no tick was lost, and the daemon's ticks went on with its clock
         timing = stack.metrics()["timing"]
         for loop in ("physics", "haptic"):
             assert timing[loop]["time_slips"] == 0 and timing[loop]["lost_ticks"] == 0, timing
@@ -68,4 +68,4 @@ def test_steps_of_the_wall_clock_cost_no_tick_and_no_link(tmp_path):
               f"time slips {timing['physics']['time_slips']}, lost ticks {timing['physics']['lost_ticks']}")
         assert len(down) > 500 and (down["model"]["linked"] == 1).all()
         assert (session["robot"]["connected"] == 1).all()
-        assert stale <= 0.05 * len(session), "of a busy machine at most"
+        assert stale <= 0.05 * len(session), "only a busy machine makes states stale"

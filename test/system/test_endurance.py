@@ -1,4 +1,4 @@
-"""The promises that take a while: scripts/soak and scripts/stress as a user runs them."""
+"""The promises that take long to test: scripts/soak and scripts/stress as a user runs them."""
 
 import json
 import os
@@ -11,7 +11,7 @@ from stack import ROOT, effort
 
 
 def run(script, *arguments):
-    """Runs a script with the system's python to its end and shows what it said. Returns its exit code."""
+    """Runs a script with the system's python and prints its output. Returns its exit code."""
     command = ["/usr/bin/python3", os.path.join(ROOT, "scripts", script), *[str(word) for word in arguments]]
     done = subprocess.run(command, capture_output=True, text=True, timeout=3600, check=False)
     print(done.stdout, done.stderr[-2000:])
@@ -19,7 +19,7 @@ def run(script, *arguments):
 
 
 def test_a_session_with_everything_going_wrong_keeps_its_promises(tmp_path):
-    """R11: bad network, cuts of the robot's link, a hazard again and again; 12 s here, ten minutes in the long form."""
+    """R11: bad network, cuts of the robot's link, repeated hazards. 12 s here, ten minutes in the long form."""
     code = run("soak", "--minutes", effort(0.2, 10), "--output", tmp_path)
     with open(tmp_path / "soak.json", encoding="utf-8") as file:
         figures = json.load(file)

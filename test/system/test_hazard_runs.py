@@ -1,5 +1,5 @@
-"""The same scenario from the same seed is the same session, byte for byte; another seed is another one. And the force
-comes with the tips' parting, in every scenario."""
+"""The same scenario and seed give the same session, byte for byte. Another seed gives another session. In every
+scenario, the force comes when the tips part."""
 import hashlib
 import os
 import pathlib
@@ -14,8 +14,9 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "test/system"))
 SIMULATE = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer/simulate"
 IS_LONG = os.environ.get("RAVEN2_TRAINER_FULL", "0") == "1"
-SECONDS = 10 if IS_LONG else 4  # the library's scenarios come 2 to 8 s after the first pedal-down, the short form's by 2 s
-# Draws, streams, a bad network, every host; the long form takes twenty of the library in its order.
+# The library's scenarios begin 2 to 8 s after the first pedal-down, those of SHORT within 2 s.
+SECONDS = 10 if IS_LONG else 4
+# Random values, streams, a bad network, every host. The long form takes the first twenty scenarios of the library.
 SHORT = ["usb_garbage", "intent_reorder_delay", "net_loss_30", "master_sluggish"]
 
 
@@ -27,7 +28,7 @@ def scenarios():
 
 
 def test_the_force_comes_at_most_a_tick_after_the_tips_part():
-    """scripts/measure_hazards judges every crossing of the cue's threshold; the long form takes the whole library."""
+    """scripts/measure_hazards judges every crossing of the force's threshold. The long form takes the whole library."""
     which = [] if IS_LONG else ["--hazard", ",".join(SHORT)]
     done = subprocess.run([ROOT / "scripts/measure_hazards", "--seconds", str(SECONDS), *which], capture_output=True,
                           text=True)

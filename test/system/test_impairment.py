@@ -1,7 +1,7 @@
-"""A session over a bad link: the console's packets go through `impair`, and its log says what became of each.
+"""A session over a bad link. The console's packets go through the proxy `impair`, which logs the fate of each packet.
 
-One session, one phase a link. What the daemon took is read from its session log and compared, packet by packet, with the
-rule of doc/wire.md applied to what the proxy says it sent."""
+One session has one phase for each link. The tests read the accepted packets from the daemon's session log. They compare
+them, packet by packet, with the rule of doc/wire.md applied to the packets that the proxy logged as sent."""
 
 import collections
 import csv
@@ -24,10 +24,10 @@ sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
 
 PEDAL_UP = 2
-WINDOW = 64  # [packets] doc/wire.md: farther ahead is refused
+WINDOW = 64  # [packets] doc/wire.md: a packet farther ahead is rejected
 REBASE_AFTER = 10  # [packets] of a new numbering
-UNPINNED_AFTER = 0.75  # [s] of silence: the daemon takes a new source after 0.5 s
-SPEED = 60  # [um] a packet: 30 lost ones made up for at once would be a jump of 1.8 mm
+UNPINNED_AFTER = 0.75  # [s] of silence: the daemon accepts a new source after 0.5 s
+SPEED = 60  # [um] a packet: the motion of 30 lost packets, applied at once, would be a jump of 1.8 mm
 CIRCLE = 800  # [packets] once around, radius 7.6 mm
 
 LOSSES = {  # N1
@@ -46,7 +46,7 @@ def matrix():
     cells = {}
     for switches in itertools.product((False, True), repeat=4):
         chosen = [option for option, on in zip(options, switches) if on]
-        if switches[0] and switches[1]:  # both set the delay
+        if switches[0] and switches[1]:  # both options set the delay
             chosen = chosen[1:]
         elif switches[1]:
             chosen[0] = ["--delay-ms", 4, "--jitter-ms", 4, "--overtaking"]
@@ -57,14 +57,14 @@ def matrix():
 
 
 def increments(sequence):
-    """[um] of both arms: a circle at constant speed, rounded so that no two packets in a row are alike."""
+    """Increments [um] of both arms: a circle at constant speed. Consecutive packets differ."""
     angle = 2 * math.pi * sequence / CIRCLE
     x, y = round(SPEED * math.cos(angle)), round(SPEED * math.sin(angle))
     return (x, y, sequence % 3 - 1), (y, x, sequence % 5 - 2)
 
 
 class Phase:
-    """What was sent over one link, and what the proxy says it did."""
+    """The packets of the console over one link, and the proxy's log and figures of them."""
 
     def __init__(self, first, down, last, rows, figures):
         """first, last: sequence numbers of all packets; down: the range of those with the pedal down."""
@@ -95,7 +95,7 @@ class BadLinkSession:
             return word in file.read()
 
     def run(self, name, arguments, seconds):
-        """One phase: pedal up, down for so long, up again, through a proxy of its own."""
+        """Runs one phase through a new proxy: pedal up, down for `seconds`, up again."""
         log = os.path.join(self.stack.folder, f"impair{len(self.phases)}")
         command = [os.path.join(PROGRAMS, "impair"), "--udp", f"{self.port}:127.0.0.1:{self.stack.master_port}", "--seed",
                    len(self.phases) + 1, "--log", log + ".csv", "--json", log + ".json", *arguments]
@@ -119,14 +119,14 @@ class BadLinkSession:
         self.phases[name] = Phase(first, down, self.sequence - 1, rows, figures)
 
     def _send(self, seconds, pedal):
-        """A packet a millisecond; after a stall no more than 20 are made up for at once."""
+        """Sends a packet a millisecond. After a stall, it sends at most 20 delayed packets at once."""
         due = time.monotonic()
         end = due + seconds
         while due < end:
             packet = itp(self.sequence, pedal, *increments(self.sequence))
             try:
                 self.master.send(packet)
-            except ConnectionRefusedError:  # the answer to an earlier packet, to a proxy that is gone
+            except ConnectionRefusedError:  # from an earlier packet, to the proxy that ended
                 self.master.send(packet)
             self.sequence += 1
             due += 0.001
@@ -145,7 +145,7 @@ class Window:
         self.run = []  # consecutive packets of a new numbering, all with the pedal up
 
     def reason(self, sequence, pedal):
-        """Why a packet is not taken, or None."""
+        """Returns why the daemon rejects a packet, or None."""
         ahead = 1 if self.newest is None else (sequence - self.newest) % 2**32
         if ahead == 0:
             return "duplicate"
@@ -168,7 +168,7 @@ class Window:
 
 
 class Judged:
-    """The rule on what the proxy sent, beside what the daemon's log holds."""
+    """Applies the rule to the packets that the proxy sent, and compares with the packets in the daemon's log."""
 
     def __init__(self, phases, commands):
         logged = {int(n) for n in commands["command"]["sequence"]}
@@ -180,8 +180,8 @@ class Judged:
             for sequence in phase.sequences("sent"):
                 reason = window.reason(sequence, sequence in phase.down)
                 if reason is None and sequence not in logged:
-                    # The one that no rule on numbers can foresee: more at once than max_burst, after a stall of the
-                    # machine. The daemon's own count of them is compared below.
+                    # The rule cannot predict this reason: after a stall of the machine, more packets than max_burst
+                    # arrive at once. A test compares the daemon's own count of them.
                     reason = "rate_limited"
                     self.rate_limited[name].add(sequence)
                 if reason:
@@ -216,7 +216,7 @@ def test_the_proxys_own_figures_add_up_and_equal_its_log(session):
     for name, phase in session.phases.items():
         forward = phase.figures[0]
         assert all(link["adds_up"] for link in phase.figures), name
-        assert forward["in"] == phase.last - phase.first + 1, f"{name}: every packet of the console is accounted for"
+        assert forward["in"] == phase.last - phase.first + 1, f"{name}: the proxy counts every packet of the console"
         assert forward["held"] == forward["held_copies"] == forward["unsent"] == 0, name
         actions = collections.Counter(row["action"] for row in phase.rows)
         assert actions["sent"] == forward["forwarded"] + forward["duplicates"], name
@@ -232,7 +232,7 @@ def test_the_daemon_receives_what_the_proxy_sent_and_takes_what_the_rule_says(se
     assert packets["applied"] == sum(len(taken) for taken in judged.accepted.values())
     in_log = [int(n) for n in session.log.commands["command"]["sequence"]]
     assert in_log == list(itertools.chain(*judged.accepted.values())), "the same packets in the same order"
-    assert len(set(in_log)) == len(in_log), "none twice"
+    assert len(set(in_log)) == len(in_log), "no packet twice"
 
 
 @pytest.mark.parametrize("name", LOSSES)

@@ -1,6 +1,6 @@
-"""What the daemon makes of datagrams that it should not believe: floods, strangers, garbage, silence, signatures.
+"""The daemon receives datagrams that it must not trust: floods, strangers, garbage, silence, signatures.
 
-Times are counted in ticks of the system's own clock where that can be."""
+Times are counted in ticks of the system's own clock where possible."""
 
 import hashlib
 import math
@@ -21,7 +21,7 @@ PEDAL_UP, PEDAL_DOWN = 2, 3
 
 
 class Master(object):
-    """A surgeon of a packet a millisecond, in step with the clock."""
+    """A surgeon that sends about a packet a millisecond."""
 
     def __init__(self, port, first=1):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -44,7 +44,7 @@ class Master(object):
 
 
 def start(stack, *daemon):
-    """Robot homed, daemon up."""
+    """Starts robot and daemon. Waits until the robot is homed and the daemon ticks."""
     stack.start_robot()
     stack.start_daemon("--hazard", "none", *daemon)
     await_run_level(stack.state_port, PEDAL_UP)
@@ -52,7 +52,7 @@ def start(stack, *daemon):
 
 
 def close(stack):
-    """Ends both. Returns the counters of the daemon's ingest; every link's add up."""
+    """Ends both. Checks that the counters of every link add up. Returns those of the daemon's ingest."""
     assert stack.stop("simulator", seconds=30)[0] == 0, stack.log_text("simulator")
     packets = stack.assert_counters_add_up()
     stack.stop("virtual_raven", seconds=30)
@@ -64,7 +64,7 @@ def session_log(stack):
 
 
 def loose_itp(sequence, pedal):
-    """As a dV-Trainer's users describe its packets: rotations in counts beside Qw = 1, an absolute grasp."""
+    """A packet of a dV-Trainer as its users describe it: rotations in counts next to Qw = 1, and an absolute grasp."""
     return struct.pack("<3I6i8d6i", sequence, 0, 0, 20, 0, 0, 0, 0, 0, 5.0, 0.0, -7.0, 0.0, 12.0, 0.0, 1.0, 1.0, 0, 0, 1800, 1800,
                        pedal, 0)
 
@@ -85,11 +85,11 @@ def test_a_console_that_is_refused_is_named_once_and_one_with_a_profile_is_taken
         else:
             assert said == []
             assert counts["applied"] == counts["received"] > 2000
-            assert session_log(stack).ticks["model"]["pedal"].max() == 1, "pressed again, it counts"
+            assert session_log(stack).ticks["model"]["pedal"].max() == 1, "a new press counts"
 
 
 def test_a_silent_master_holds_lifts_the_pedal_and_takes_the_force_away():
-    with Stack(configure={"haptics": {"tolerance": 0.0}}) as stack:  # a force as long as the two arms are linked
+    with Stack(configure={"haptics": {"tolerance": 0.0}}) as stack:  # a force whenever the two arms are linked
         start(stack)
         master = Master(stack.master_port)
         master.play(300, 0)
@@ -104,7 +104,7 @@ def test_a_silent_master_holds_lifts_the_pedal_and_takes_the_force_away():
         after = tick > last
         assert after.sum() > 400
         moved = (q_d[after & (model["pedal"] == 1)] != q_d[tick == last][0]).any(axis=(1, 2))
-        held_after = int(moved.sum())  # ticks in which what is wanted of the model still changed
+        held_after = int(moved.sum())  # ticks in which the model's desired joints still changed
         up_after = int(tick[after & (model["pedal"] == 0)].min() - last)
         pushing = forces["haptic"]["tick"][abs(forces["haptic"]["force_I"]).max(axis=(1, 2)) > 0]
         force_after = int(pushing.max() - last)
@@ -142,15 +142,15 @@ def test_neither_a_flood_of_others_nor_ten_times_the_rate_gets_through():
               f"{ingest['rejected']['foreign_source']} of the flood seen; log {size / 1e6:.1f} MB")
         print(f"rate: {master.sent - flooded} sent in {seconds_sent:.2f} s, {fast} applied, "
               f"{ingest['rejected']['rate_limited']} rate_limited")
-        assert rate > 20000, "that was no flood"
+        assert rate > 20000, "the flood was too slow"
         assert lost <= 0.001 * flooded + 1
-        assert ingest["rejected"]["foreign_source"] > 0, "whoever floods is reported"
+        assert ingest["rejected"]["foreign_source"] > 0, "the flood is reported"
         assert master.sent - flooded > 3000 and ingest["rejected"]["rate_limited"] > 0
         assert fast <= 1200 * (seconds_sent + 0.3) + 40
 
 
 def malformed(number):
-    """40 datagrams and the reason for which each is refused; `number` is what a good one would have."""
+    """40 datagrams, each with the reason for its rejection. `number` is the sequence number of the next good packet."""
     good = bytearray(itp(number, 0))
 
     def with_at(offset, fmt, value):
@@ -196,11 +196,11 @@ def test_malformed_datagrams_are_counted_by_reason_and_reach_no_state():
         ingest = close(stack)
         seen = ingest["rejected"].pop("foreign_source")
         print(f"two masters: {ingest['applied']} of the first's 400 applied; second sent 300, seen {seen} times")
-        assert 0 < seen <= 300, "the second master is refused and reported"
+        assert 0 < seen <= 300, "the second master is rejected and reported"
         assert {k: v for k, v in ingest["rejected"].items() if v} == expected
         assert ingest["applied"] == 400
         log = session_log(stack)
-        assert (log.commands["command"]["dp_I"][:, 0, 0] >= 0).all(), "nothing of the second's moved"
+        assert (log.commands["command"]["dp_I"][:, 0, 0] >= 0).all(), "the second master moves nothing"
         ticks = log.ticks
         for name in ("q", "dq", "tau", "q_d", "p_BT"):
             assert all(map(math.isfinite, ticks["model"]["arms"][name].flat)), name
@@ -209,7 +209,7 @@ def test_malformed_datagrams_are_counted_by_reason_and_reach_no_state():
 
 
 class SignedMaster(Master):
-    """As doc/wire.md has it for other masters."""
+    """Signs its packets as doc/wire.md describes for other masters."""
 
     def __init__(self, port, key):
         super().__init__(port)
@@ -251,7 +251,7 @@ def test_signed_itp_works_end_to_end_and_the_key_is_nowhere():
             stack.start_console("--duration", "2")
             await_run_level(stack.state_port, PEDAL_DOWN)
             assert stack.processes["master_console"].wait(30) == 0
-            time.sleep(0.7)  # then another master may follow
+            time.sleep(0.7)  # then the daemon accepts another master
             other = SignedMaster(stack.master_port, bytes.fromhex(digits))
             other.play(200, 0)
             for datagram in other.datagrams[:50]:
@@ -271,7 +271,7 @@ def test_signed_itp_works_end_to_end_and_the_key_is_nowhere():
             assert "packets are signed" in console, console
             assert ingest["applied"] > 500
             assert "signing required" in stack.meta()["ingest"]
-            assert stack.metrics()["packets"]["daemon_to_robot"]["applied"] > 500, "the relay is signed anew"
+            assert stack.metrics()["packets"]["daemon_to_robot"]["applied"] > 500, "the daemon signs its packets, too"
             _assert_secret(stack, digits)
             print(f"signed: {ingest['applied']} applied, {stack.metrics()['packets']['daemon_to_robot']['applied']} "
                   f"by the robot; key in no file")
@@ -336,7 +336,7 @@ def test_a_second_master_is_on_diagnostics_within_a_tenth_of_a_second():
                 times.append(time.monotonic() - begin)
                 first.play(137, 0)
             print("second master on /diagnostics after " + " ".join(f"{1000 * each:.0f}" for each in times) + " ms")
-            assert sorted(times)[8] <= 0.1, "one of ten may meet a stall of the computer"
+            assert sorted(times)[8] <= 0.1, "a stall of the computer may delay one of ten"
             close(stack)
     finally:
         core.terminate()

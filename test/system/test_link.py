@@ -1,7 +1,7 @@
-"""The TCP link between robot and daemon when a side stalls, when the network breaks, and when a crowd comes.
+"""The TCP link between robot and daemon when a side stalls, when the network breaks, and when many clients connect.
 
-Robot, daemon and test run on one computer, so their CLOCK_MONOTONIC is one clock: `robot.time_ns` in the log says how
-old a state truly was when a tick used it."""
+Robot, daemon and test run on one computer and share its CLOCK_MONOTONIC. So `robot.time_ns` in the log shows the true
+age of a state when a tick used it."""
 
 import os
 import random
@@ -24,12 +24,12 @@ import raven2_session  # noqa: E402
 
 PEDAL_UP, PEDAL_DOWN = 2, 3
 MS = 1_000_000  # ns
-FRAME_AGE = 50 * MS  # an older one must not be used
+FRAME_AGE = 50 * MS  # an older state must not be used
 FRESH_AGE = 20 * MS  # stale_after
 
 
 class Master(threading.Thread):
-    """A console at about 1 kHz: pedal and increment can be changed at any time."""
+    """A console at about 1 kHz. Pedal and increment may change at any time."""
 
     def __init__(self, port, make_socket=socket.socket):
         super().__init__(daemon=True)
@@ -56,7 +56,7 @@ class Master(threading.Thread):
 
 
 class Ticks:
-    """The ticks of a finished session against the one clock."""
+    """The ticks of a finished session on the shared clock."""
 
     def __init__(self, stack):
         log = raven2_session.Session(stack.output).log
@@ -70,35 +70,35 @@ class Ticks:
         return (self.time >= begin) & (self.time < end)
 
     def first(self, condition, begin):
-        """ns from `begin` to the first tick for which the condition holds."""
+        """Time [ns] from `begin` to the first tick for which the condition holds."""
         found = self.time[condition & (self.time >= begin)]
         assert len(found) > 0
         return int(found[0] - begin)
 
     def assert_nothing_old_was_used(self):
-        """However it came to be old."""
+        """No tick used a state older than FRAME_AGE, for whatever reason."""
         used = self.age[self.fresh & self.has_robot]
         assert used.max() <= FRAME_AGE, f"a state {used.max() / MS:.1f} ms old was used"
         return used.max() / MS
 
     def late_share(self, part):
-        """Share of the ticks of a part of the session that began more than a tick late after the one before."""
+        """Share of the ticks, in a part of the session, that began more than 2 ms after the previous tick."""
         gaps = np.diff(self.time[part])
         return float((gaps > 2 * MS).mean())
 
     def reach(self, part, arm=0):
-        """mm between the first tick's tip and the farthest one: (robot, model)."""
+        """Largest distance [mm] of the tip from its place in the first tick: (robot, model)."""
         return [1e3 * np.linalg.norm(s["arms"]["p_BT"][part, arm] - s["arms"]["p_BT"][part, arm][0], axis=1).max()
                 for s in (self.robot, self.model)]
 
 
 def ready(stack, prefix=(), inside=lambda function, *arguments: function(*arguments)):
-    """Robot homed, daemon connected to it."""
+    """Starts the robot, waits until it is homed, and starts the daemon."""
     stack.start_robot(prefix=prefix)
     wait_until(lambda: inside(listens, stack.state_port), 20, "the robot listens")
     states = inside(RobotStates, stack.state_port)
     end = time.monotonic() + 30
-    while states.state()["runlevel"] != PEDAL_UP:  # every frame: a reader that waits in between is too slow
+    while states.state()["runlevel"] != PEDAL_UP:  # every frame: a reader that skips frames is too slow
         assert time.monotonic() < end, "never homed"
     states.close()
     stack.start_daemon("--hazard", "none", prefix=prefix)
@@ -108,7 +108,7 @@ def ready(stack, prefix=(), inside=lambda function, *arguments: function(*argume
 def finish(stack):
     assert stack.stop("simulator")[0] == 0, stack.log_text("simulator")
     stack.assert_counters_add_up()
-    assert stack.stop("virtual_raven")[0] == 0, stack.log_text("virtual_raven")  # 1 if frames do not add up
+    assert stack.stop("virtual_raven")[0] == 0, stack.log_text("virtual_raven")  # the code is 1 if frames do not add up
     return Ticks(stack)
 
 
@@ -117,7 +117,7 @@ def now():
 
 
 def pause(process, seconds, meanwhile=lambda: None):
-    """Stops a program for a while. Returns when, and when it went on."""
+    """Stops a program for `seconds`. Returns the times [ns] of stop and continuation."""
     process.send_signal(signal.SIGSTOP)
     begin = now()
     meanwhile()
@@ -128,7 +128,7 @@ def pause(process, seconds, meanwhile=lambda: None):
 
 
 def test_a_stalled_robot_is_flagged_and_dropped_and_nothing_old_is_used_after_it():
-    """N5, and the reverse: the daemon stalls."""
+    """N5: the robot stalls. Also the reverse: the daemon stalls."""
     seconds = effort(2, 10)
     with Stack() as stack:
         ready(stack)
@@ -137,7 +137,7 @@ def test_a_stalled_robot_is_flagged_and_dropped_and_nothing_old_is_used_after_it
         time.sleep(1.0)
         dropped = []
 
-        def drop():  # a descriptor less
+        def drop():  # the robot then has one descriptor less
             robot = stack.processes["virtual_raven"]
             begin, held = now(), descriptors(robot)
             wait_until(lambda: descriptors(robot) < held, 3, "the robot drops a daemon that takes nothing")
@@ -159,16 +159,16 @@ def test_a_stalled_robot_is_flagged_and_dropped_and_nothing_old_is_used_after_it
           f"{back / MS:.0f} ms after it went on; late ticks {100 * before:.2f} % before, {100 * during:.2f} % during; "
           f"daemon stopped {seconds} s: dropped after {dropped[0] / MS:.0f} ms, fresh after {again / MS:.0f} ms, "
           f"{stale} stale frames rejected; oldest state used {oldest:.1f} ms")
-    # Every tick judges the age; 2 ms: the quickest way that a frame took, which no age contains.
+    # Every tick judges the age. The daemon's age lacks the fastest transport of a frame: at most 2 ms.
     too_old = ticks.fresh & ticks.has_robot & (ticks.age > FRESH_AGE + 2 * MS)
     assert not too_old.any(), f"{ticks.age[too_old].max() / MS:.1f} ms counted as fresh"
     tick = np.diff(ticks.time[ticks.between(robot_stop - 5 * MS, robot_stop + 50 * MS)]).max()
     seen = ticks.age[~ticks.fresh & (ticks.time >= robot_stop)][0]
     assert seen <= FRESH_AGE + tick + 2 * MS, f"{seen / MS:.1f} ms"
     assert lost <= 2500 * MS and dropped[0] <= 2500 * MS
-    assert during <= before + 0.02, "the loop does not care"
+    assert during <= before + 0.02, "the loop is not disturbed"
     assert back <= 1000 * MS and again <= 1000 * MS
-    assert stale > 0, "what waited while the daemon stood still"
+    assert stale > 0, "frames that waited for the daemon are stale"
 
 
 @pytest.fixture(name="space")
@@ -183,14 +183,14 @@ def _space():
 def test_a_broken_network_is_found_out_and_heals_without_motion(space):
     """N6: half-open connections; N4: partition, heal, pedal cycle."""
     cycles, dark = effort(2, 20), random.Random(4)
-    with Stack(configure={"runtime": {"plan_at": -1.0}}) as stack:  # a plan would move the model
+    with Stack(configure={"runtime": {"plan_at": -1.0}}) as stack:  # -1: no plan, which would move the model
         ready(stack, space.prefix, space.run)
         cut = [f"tcp dport {stack.state_port}", f"tcp sport {stack.state_port}", f"udp dport {stack.robot_port}"]
         master = Master(stack.master_port, lambda *kind: space.run(socket.socket, *kind))
         time.sleep(0.5)
         found, events = [], []
         for number in range(cycles):
-            master.pedal, master.gold = True, ((-1, 1)[number % 2], 0, 0)  # the model goes on with it in the dark
+            master.pedal, master.gold = True, ((-1, 1)[number % 2], 0, 0)  # the model follows it during the cut
             time.sleep(0.4)
             broken = now()
             space.cut(*cut)
@@ -230,11 +230,11 @@ def test_a_broken_network_is_found_out_and_heals_without_motion(space):
     assert max(fresh) <= 1000 * MS
     assert max(usable) <= 100 * MS
     assert robot_motion.max() <= 0.1 and model_motion.max() <= 0.1
-    assert min(moved) > 0.05, "it is usable"
+    assert min(moved) > 0.05, "the robot follows again"
 
 
 class Loris(threading.Thread):
-    """Clients that each begin a frame, send a byte of it now and then and never finish; how long each lived."""
+    """Clients that each begin a frame, send a byte of it every 0.1 s and never finish. Records how long each lived."""
 
     FRAME = struct.pack("<4sHHII", b"RV2T", 0x400, 3, 12, 1)
 
@@ -267,7 +267,7 @@ class Loris(threading.Thread):
             client.send(self.FRAME[state[1]:state[1] + 1])
             state[1] += 1
         except OSError:
-            pass  # closed: seen when reading
+            pass  # closed: the next read notices it
 
     @staticmethod
     def _is_closed(client):
@@ -282,7 +282,7 @@ class Loris(threading.Thread):
 
 
 def served_after(port, seconds=5):
-    """s until a new reader, which tries again as the daemon does, has its first state."""
+    """Time [s] until a new reader has its first state. It connects repeatedly, as the daemon does."""
     begin = time.monotonic()
     while time.monotonic() < begin + seconds:
         try:
@@ -300,7 +300,7 @@ def descriptors(process):
 
 
 def cycles_of(states, stop):
-    """A reader in the background: the cycles that it got."""
+    """Starts a reader in the background. Returns its list of received cycles, and its thread."""
     cycles = []
 
     def run():
@@ -342,7 +342,7 @@ def test_crowds_that_dribble_and_storms_of_connections_disturb_nobody():
         storm = time.monotonic() - begin
         after = served_after(stack.state_port)
         wait_until(lambda: descriptors(robot) == start, 2, "descriptors back")
-        assert reading.is_alive() and len(cycles) > 100, "a good reader was put out"
+        assert reading.is_alive() and len(cycles) > 100, "a good reader was dropped"
         stop.set()
         reading.join()
         states.close()
@@ -361,7 +361,7 @@ def test_crowds_that_dribble_and_storms_of_connections_disturb_nobody():
 
 
 def test_bad_frames_close_the_connection_and_are_counted():
-    """N9: length and CRC; a robot of the test's own sends them."""
+    """N9: a simple robot in this test sends frames with a wrong length or CRC."""
     hello = frame(1, b"virtual\0", 1)
     damaged = bytearray(hello)
     damaged[-1] ^= 1
@@ -381,7 +381,7 @@ def test_bad_frames_close_the_connection_and_are_counted():
         stack.stop("simulator")
         link = stack.assert_counters_add_up()["robot_to_daemon"]
     assert link["rejected"]["bad_frame"] == 3
-    assert link["applied"] == 3, "the hellos"
+    assert link["applied"] == 3, "one hello of each connection"
 
 
 def frame(kind, payload, sequence):

@@ -1,4 +1,4 @@
-"""Real time as a user meets it: the daemon stopped and continued, without privileges, told to be strict."""
+"""Real time as a user meets it: the daemon is stopped and continued, runs without privileges, runs with --strict."""
 
 import json
 import os
@@ -15,7 +15,8 @@ from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, l
 
 NOBODY = 65534
 PEDAL_UP, PEDAL_DOWN = 2, 3
-# [s] The promise is 1 s; a machine that compiles beside the test needs more, and without SCHED_FIFO has no right to it.
+# [s] The promise is 1 s. A machine that compiles while the test runs needs more: without SCHED_FIFO the daemon has no
+# priority.
 REFUSED_WITHIN = effort(10.0, 1.0)
 SESSION_READER = """
 import json, sys
@@ -102,7 +103,7 @@ class Master:
 
 
 def read_session(stack):
-    """What the log says, read by the system's python, which has numpy."""
+    """Figures of the log, from SESSION_READER. It runs in the system's python, which has numpy."""
     done = subprocess.run(["/usr/bin/python3", "-c", SESSION_READER, os.path.join(ROOT, "scripts"),
                            os.path.join(stack.output, "session.rlog")], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
@@ -110,7 +111,7 @@ def read_session(stack):
 
 
 def teleoperate(stack):
-    """Robot, daemon and a master with the pedal down, linked. Returns the master."""
+    """Starts robot, daemon and a master, and presses the pedal until the robot follows. Returns the master."""
     stack.start_robot()
     wait_until(lambda: listens(stack.state_port), 10, "the robot listens")
     stack.start_daemon("--hazard", "none")
@@ -123,7 +124,7 @@ def teleoperate(stack):
 
 
 def run_level(stack):
-    """The robot's, from one fresh frame: a python that reads every one is too slow on a busy machine, and is evicted."""
+    """Run level of the robot, from one new frame. On a busy machine, Python is too slow to read every frame."""
     reader = RobotStates(stack.state_port)
     try:
         return reader.state()["runlevel"]
@@ -158,14 +159,14 @@ def test_stops_of_a_tenth_of_a_second_lose_no_simulated_time():
         timing, session = stack.metrics()["timing"]["physics"], read_session(stack)
         print(session, timing)
         assert session["paused"] == 0
-        # The last tick's start may itself be some milliseconds late on a busy machine; more would be time lost.
+        # On a busy machine, the last tick may start some milliseconds late. A larger difference would be lost time.
         assert abs((session["last"] - session["first"]) - session["elapsed_ms"]) < 25, session
         assert timing["time_slips"] == 0 and timing["lost_ticks"] == 0
-        assert timing["longest_late_run"] >= 90, "the stops were not felt: the test showed nothing"
+        assert timing["longest_late_run"] >= 90, "the stops had no effect: the test proves nothing"
 
 
 def test_a_stop_of_four_tenths_pauses_the_exercise_until_a_new_pedal_down():
-    """R3: one time slip, mode paused, session clock still, robot released, force 0; a new pedal-down goes on."""
+    """R3: one time slip, mode paused, session clock stopped, robot released, force 0. A new pedal-down continues."""
     with Stack() as stack:
         master = teleoperate(stack)
         time.sleep(0.5)
@@ -191,7 +192,7 @@ def test_a_stop_of_four_tenths_pauses_the_exercise_until_a_new_pedal_down():
 
 
 def test_a_late_run_is_on_diagnostics_within_a_second():
-    """R7: what the operator is told of a stop of 200 ms, ten times. In a process of its own: rospy lives once in each."""
+    """R7: /diagnostics reports a stop of 200 ms, ten times. rospy starts once per process, so another process reads."""
     ros = free_ports(1)[0]
     with Stack() as stack:
         stack.environment.update(ROS_MASTER_URI=f"http://127.0.0.1:{ros}", ROS_IP="127.0.0.1")
@@ -211,7 +212,7 @@ def test_a_late_run_is_on_diagnostics_within_a_second():
 
 
 def run_daemon(stack, *arguments, prefix=(), environment=None):
-    """Starts a daemon that should refuse at once. Returns (exit code, seconds, output)."""
+    """Starts a daemon that should end at once with a refusal. Returns (exit code, seconds, output)."""
     command = [*prefix, os.path.join(PROGRAMS, "simulator"), "--config", stack.config, "--output", stack.output,
                "--no-render", "--master-port", stack.master_port, *arguments]
     begin = time.monotonic()
@@ -234,7 +235,7 @@ AS_NOBODY = ("setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-group
 def test_without_privileges_it_runs_and_says_so_and_strict_refuses():
     """R8: as nobody."""
     with Stack() as stack:
-        stack.environment["HOME"] = stack.folder  # roscpp writes there
+        stack.environment["HOME"] = stack.folder  # roscpp writes to it
         give_to_nobody(stack.folder)
         code, seconds, text = run_daemon(stack, "--strict", prefix=AS_NOBODY)
         print(code, seconds, text)
@@ -246,7 +247,7 @@ def test_without_privileges_it_runs_and_says_so_and_strict_refuses():
 
 
 def assert_runs_degraded(stack, prefix, *reasons):
-    """A session without --strict: starts its threads, ticks, ends cleanly, and says what it did not get."""
+    """A session without --strict starts its threads, ticks and ends cleanly. It reports the missing privileges."""
     stack.start_robot(prefix=prefix)
     wait_until(lambda: listens(stack.state_port), 30, "the robot listens")
     stack.start_daemon(prefix=prefix)
@@ -265,7 +266,7 @@ def assert_runs_degraded(stack, prefix, *reasons):
 
 @pytest.fixture(name="cgroup")
 def _cgroup():
-    """A new cpu cgroup (version 1), which has no real-time budget. Yields its folder."""
+    """Makes a cpu cgroup (version 1) without a real-time budget. Yields its folder."""
     mounted, mount = None, None
     with open("/proc/mounts", encoding="utf-8") as mounts:
         for line in mounts:
@@ -300,7 +301,7 @@ def _cgroup():
 
 @needs_root
 def test_in_a_cgroup_without_real_time_budget_it_runs_and_says_so_and_strict_refuses(cgroup):
-    """R8: as root, where SCHED_FIFO fails all the same."""
+    """R8: as root. SCHED_FIFO fails because the cgroup has no real-time budget."""
     inside = ("sh", "-c", f'echo $$ > {cgroup}/tasks && exec "$@"', "sh")
     with Stack() as stack:
         code, seconds, text = run_daemon(stack, "--strict", prefix=inside)
@@ -312,11 +313,11 @@ def test_in_a_cgroup_without_real_time_budget_it_runs_and_says_so_and_strict_ref
 
 @needs_root
 def test_strict_names_preloaded_libraries_and_files_that_anybody_may_write():
-    """S14, all reasons at once, FIFO being granted."""
+    """S14: --strict reports all reasons at once, while SCHED_FIFO is granted."""
     with Stack() as stack:
         haptics = os.path.join(os.path.dirname(stack.config), "haptics.yaml")
         os.chmod(haptics, 0o666)
-        library = os.path.realpath(shutil.which("true"))  # anything: the loader complains and goes on
+        library = os.path.realpath(shutil.which("true"))  # any file: the loader warns and continues
         code, seconds, text = run_daemon(stack, "--strict", environment={"LD_PRELOAD": library})
         print(code, seconds, text)
         assert code == 1 and seconds < REFUSED_WITHIN

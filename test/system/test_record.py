@@ -1,4 +1,4 @@
-"""The record: what of a session is there after its process was killed, its disk was full, its log was damaged."""
+"""The record of a session after its process was killed, its disk was full, or its log was damaged."""
 
 import json
 import os
@@ -22,15 +22,15 @@ sys.dont_write_bytecode = True
 
 import raven2_session  # noqa: E402
 
-# The promises are for a machine that is not overloaded; a busy one is given more time in proportion.
+# The promises are for a machine that is not overloaded. A busy machine gets more time in proportion.
 HEAD_ROOM = max(1.0, os.getloadavg()[0] / os.cpu_count())
 KINDS = ("ticks", "haptic", "commands", "requests", "plans", "contacts")
 REPORTS = os.path.join(BUILD, "test_results")
 
 
 class Forces:
-    """The daemon's force packets. Their sequence numbers count its haptic ticks; each tick is recorded before it is
-    sent, so the newest number is what an outsider knows to be committed."""
+    """The daemon's force packets. Their sequence numbers count its haptic ticks. The daemon records each tick before it
+    sends it. So the newest number shows from outside which ticks are committed."""
 
     def __init__(self, port):
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -39,7 +39,7 @@ class Forces:
         self._socket.setblocking(False)
 
     def newest(self, seconds=0.0):
-        """Sequence number of the newest packet that has come, waiting so long for one; 0 for none."""
+        """Sequence number of the newest received packet, or 0. Waits up to `seconds` for a packet."""
         newest = 0
         select.select([self._socket], [], [], seconds)
         while True:
@@ -58,7 +58,7 @@ def arrays(directory):
 
 
 def assert_whole(log, newest_force):
-    """No hole inside, nothing doubled, nothing missing that an outsider has seen."""
+    """The log has no gap, no record twice, and all records that were committed before `newest_force` was sent."""
     assert log.bad_bytes == 0 and log.lost == 0
     ticks = log.ticks["model"]["tick"]
     assert np.array_equal(ticks, np.arange(ticks[0], ticks[0] + len(ticks)))
@@ -67,7 +67,7 @@ def assert_whole(log, newest_force):
 
 
 def report(name, figures):
-    """For whoever writes the figures down; asserted on where they are measured."""
+    """Writes figures to a file, for the documentation. The callers assert on them."""
     os.makedirs(REPORTS, exist_ok=True)
     with open(os.path.join(REPORTS, name + ".json"), "w", encoding="utf-8") as file:
         json.dump(figures, file, indent=1)
@@ -106,7 +106,7 @@ def test_a_killed_daemon_loses_no_committed_record_and_the_next_start_recovers_i
         for n in range(effort(5, 100)):
             stack.output = os.path.join(stack.folder, "sessions", str(n))
             newest, wall, cpu = kill_at_a_random_moment(stack, forces, source)
-            # The next start recovers the session before, unless it is killed first: then the one after it does.
+            # The next start recovers this session. If that start is killed too early, the start after it does.
             log, found = arrays(stack.output)
             assert_whole(log, newest)
             assert not log.clean and not log.recovered
@@ -116,7 +116,7 @@ def test_a_killed_daemon_loses_no_committed_record_and_the_next_start_recovers_i
             figures["restart_cpu_s"].append(cpu)
             if before is None:
                 before = (stack.output, found)
-        # One more start, left alone until all are recovered; and what it found is what the reader had found.
+        # One more start, which runs until all sessions are recovered. Its records must equal those of the reader.
         stack.output = os.path.join(stack.folder, "sessions", "last")
         start_ticking(stack, forces)
         folders = [os.path.join(stack.folder, "sessions", str(n)) for n in range(figures["kills"])]
@@ -132,7 +132,7 @@ def test_a_killed_daemon_loses_no_committed_record_and_the_next_start_recovers_i
         assert not os.path.exists(os.path.join(stack.output, "recovered.json"))
         forces.close()
     report("record_kills", figures)
-    assert max(figures["restart_cpu_s"]) <= 2.0, "2 s to the first tick; the processor's share of a busy machine aside"
+    assert max(figures["restart_cpu_s"]) <= 2.0, "at most 2 s of processor time to the first tick"
 
 
 def test_a_recovered_session_serves_every_tool():
@@ -192,7 +192,7 @@ def test_the_queues_in_the_mapped_file_cost_the_loops_no_page_fault():
         start = forces.newest(0.5)
         wait_until(lambda: forces.newest(0.1) > start + 500, 30, "warm")
         before, start = faults_of_loops(process.pid), forces.newest(0.5)
-        # More ticks than the queues hold: every page of theirs is written anew.
+        # More ticks than the queues hold, so that each of their pages is written again.
         wait_until(lambda: forces.newest(0.1) > start + effort(3000, 60000), 200, "ticks")
         after = faults_of_loops(process.pid)
         report("record_page_faults", {"before": before, "after": after})
@@ -203,7 +203,7 @@ def test_the_queues_in_the_mapped_file_cost_the_loops_no_page_fault():
 
 
 class SmallDisk:
-    """A tmpfs of its own in a mount namespace of its own, which a sleeping process holds."""
+    """A small tmpfs in a separate mount namespace, which a sleeping process keeps alive."""
 
     def __init__(self, folder, size):
         self.folder = folder
@@ -215,7 +215,7 @@ class SmallDisk:
         self.inside = ("nsenter", "-t", str(self._holder.pid), "-m")
 
     def path(self, *names):
-        """The same path, seen from outside."""
+        """Path of a file on the disk, from outside the namespace."""
         return os.path.join(f"/proc/{self._holder.pid}/root", self.folder.lstrip("/"), *names)
 
     def remount(self, options):
@@ -245,7 +245,7 @@ def start_on(disk, stack):
 
 
 def wait_for_alarm(stack, log_path):
-    """Seconds from the last growth of the log to the alarm."""
+    """Waits for the alarm. Returns the seconds from the last growth of the log to the alarm."""
     grown, size, end = time.monotonic(), 0, time.monotonic() + 60
     while "cannot be written" not in stack.log_text("simulator"):
         assert time.monotonic() < end, "no alarm"
@@ -257,7 +257,7 @@ def wait_for_alarm(stack, log_path):
 
 
 def missing(numbers):
-    """Numbers left out of an ascending sequence."""
+    """How many numbers an ascending sequence skips."""
     steps = np.diff(numbers)
     assert np.all(steps >= 1)
     return int((steps - 1).sum())
@@ -289,7 +289,7 @@ def test_a_full_and_a_read_only_disk_cost_only_the_records_that_the_log_says(dis
         assert alarm <= 1.0 * HEAD_ROOM and resumed <= 2.0 * HEAD_ROOM
         lost = log.gaps["lost"].sum(axis=0)
         assert missing(log.ticks["model"]["tick"]) == lost[0] > 1000
-        silent = int(log.counts["force_silent"][0])  # packets at the end: no ticks
+        silent = int(log.counts["force_silent"][0])  # packets at the end, which have no tick
         assert len(log.haptic) + lost[1] >= newest - silent
         assert log.names("gap", "reason").index("not_written") in log.gaps["reason"]
         assert stack.log_text("simulator").count("cannot be written") == 1

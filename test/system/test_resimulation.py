@@ -1,4 +1,4 @@
-"""Sessions of the real programs, threads, sockets and all, simulated again from their logs."""
+"""Sessions of the real programs, with threads and sockets, are simulated again from their logs."""
 
 import json
 import os
@@ -29,7 +29,7 @@ def resimulate(session, *arguments):
 
 
 def start(stack, *arguments):
-    """Robot, daemon, console; returns when the surgeon's pedal is down."""
+    """Starts robot, daemon and console. Returns when the surgeon's pedal is down."""
     stack.start_robot()
     stack.start_daemon(*arguments)
     stack.start_console()
@@ -37,14 +37,14 @@ def start(stack, *arguments):
 
 
 def test_a_session_of_real_threads_gives_the_same_bits_again_faster_than_it_went():
-    # The hazard comes soon, and so does the next pedal-down, which ends the pause that the stop makes.
+    # The hazard comes soon. The next pedal-down also comes soon: it ends the pause that SIGSTOP causes.
     soon = {"faults/sudden_jump": lambda s: s["faults"][0]["start"].update(first_tick=effort(500, 8000)),
             "console": {"clutch_every": effort(1.0, 7.0)}}
     with Stack(configure=soon) as stack:
         start(stack, "--duration", SECONDS, "--hazard", "sudden_jump")
         daemon = stack.processes["simulator"]
         time.sleep(1.0)
-        daemon.send_signal(signal.SIGSTOP)  # a backlog over 250 ms: simulated time is given up, and that is in the log
+        daemon.send_signal(signal.SIGSTOP)  # over 250 ms late, the daemon gives up simulated time and logs it
         time.sleep(0.4)
         daemon.send_signal(signal.SIGCONT)
         assert daemon.wait(SECONDS + 60) == 0, stack.log_text("simulator")
@@ -56,7 +56,7 @@ def test_a_session_of_real_threads_gives_the_same_bits_again_faster_than_it_went
                                                          stack.log_text("master_console")).groups())
         assert received == applied + rejected and 0 < received <= stack.metrics()["packets"]["daemon_to_console"]["sent"]
         log = raven2_session.Session(stack.output).log
-        # Time that either loop gave up pauses the exercise; both may have done so before the same tick.
+        # A time slip of either loop pauses the exercise. Both loops may slip before the same tick.
         slips = [stack.metrics()["timing"][loop]["time_slips"] for loop in ("physics", "haptic")]
         assert max(slips) <= log.ticks["slipped"].sum() <= sum(slips)
 

@@ -1,4 +1,4 @@
-"""What others can reach of our ROS nodes, and what they can do there."""
+"""The ports and calls of our ROS nodes that others can reach."""
 
 import socket
 import xmlrpc.client
@@ -14,7 +14,7 @@ SAFER_CRTK = {f"/{arm}/{topic}" for arm in ("arm1", "arm2") for topic in ("state
 SAFER = {"/stop_hazard", "/pause", "/disengage", "/cancel_plan", "/emergency_stop"}
 TRAINING = {"/begin_simulation", "/end_simulation", "/begin_trial", "/end_trial", "/discard_trial", "/repeat_trial",
             "/clear_stop", "/set_view", "/set_camera_pedal", "/start_exercise", "/gold/tool_change", "/green/tool_change",
-            "/end_replay"}  # not begin_replay, which reads what the caller names
+            "/end_replay"}  # not begin_replay, which reads a file that the caller names
 
 
 @pytest.fixture(name="master")
@@ -50,7 +50,7 @@ def test_only_roscpps_own_port_listens_beyond_this_computer_and_a_shutdown_call_
         slave_port = int(master.ask("lookupNode", node).rstrip("/").rpartition(":")[2])
         wide = [entry for entry in listeners(process.pid) if entry[1] != LOOPBACK]
         assert wide == [("tcp", "0.0.0.0", slave_port)], listeners(process.pid)
-        assert len(listeners(process.pid)) > 1, "the list is not empty for want of rights"
+        assert len(listeners(process.pid)) > 1, "the test can read the list of ports"
         with master.slave(node) as slave:
             for arguments in (("/stranger", "because"), ("/stranger",), ()):
                 with pytest.raises(xmlrpc.client.Fault, match="refused"):
@@ -74,7 +74,7 @@ def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
         with stack:
             services = {s for s in master.known_of(node)["services"] if not s.startswith(node)}
             assert services == wanted
-            assert "/pedals" in master.known_of(node)["subscribed"], "the stop is heard from everybody"
+            assert "/pedals" in master.known_of(node)["subscribed"], "everybody may send the stop"
             assert ("/move_arm/goal" in master.known_of(node)["subscribed"]) == key
             heard = {name for name in master.known_of(node)["subscribed"] if name.startswith("/arm")}
             assert SAFER_CRTK <= heard
@@ -91,7 +91,7 @@ def test_a_network_gets_no_commands_unless_the_configuration_says_so(master):
 def test_another_node_of_the_same_name_is_not_fought_and_leaves_a_working_name(master):
     stack, node = start(master, "virtual_raven")
     with stack, xmlrpc.client.ServerProxy(master.uri) as api:
-        # A stranger that does not even live: registered again at once.
+        # The stranger's address is of no process. Our node registers again at once.
         api.registerPublisher(node, "/ravenstate", "raven_2/raven_state", "http://127.0.0.1:9/")
         uri = f"http://127.0.0.1:{[p for k, a, p in listeners(stack.processes['virtual_raven'].pid) if a == '0.0.0.0'][0]}/"
         wait_until(lambda: master.ask("lookupNode", node) == uri, 5, "the name is ours again")

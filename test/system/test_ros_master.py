@@ -1,4 +1,4 @@
-"""Programs and the ROS master: it may come late, go, and come back; the loops do not notice."""
+"""Programs and the ROS master. It may come late, go, and come back; the loops must not notice."""
 
 import json
 import os
@@ -46,7 +46,7 @@ DAEMON_SERVICES = {"/start_hazard", "/inject_hazard", "/stop_hazard", "/pause", 
                    "/gold/set_collisions", "/green/set_collisions", "/raven2_simulator/get_loggers", "/raven2_simulator/set_logger_level"} | {
     arm + service for arm in ARMS for service in CRTK_SERVICES}
 
-# Who subscribes to what is latched, long after it was told: when it came, and what.
+# A late subscriber to latched messages. Prints when each message arrived, and its content.
 LATECOMER = """
 import json, threading, time
 import rospy
@@ -66,7 +66,8 @@ print(json.dumps(told))
 """
 
 
-# Messages of /ravenstate in 8 s, and the milliseconds from the first one's stamp to the last one's: the robot sends one in each.
+# Prints the number of messages of /ravenstate in 8 s, and the milliseconds from the first stamp to the last. The robot
+# sends one message a millisecond.
 READER = """
 import struct
 import time
@@ -86,7 +87,7 @@ print(len(stamps), stamps[-1] - stamps[0] if stamps else 0)
 
 
 class Session:
-    """Robot, its bridge and the daemon, started without a master, with a surgeon at work."""
+    """Robot, its bridge and the daemon, with a surgeon that moves. The master need not run yet."""
 
     def __init__(self, master):
         self.stack, self.beside = Stack(), Stack()
@@ -144,7 +145,8 @@ def files_of(meta):
 
 
 def seconds_of_latecomer(master, meta):
-    """Until one that subscribes now has what was told at the start: the configuration of meta.json, and the bases."""
+    """Seconds until a new subscriber has the messages latched at the start: the configuration, as in meta.json, and the
+    frames with the arms' bases."""
     done = master.run(sys.executable, "-c", LATECOMER, seconds=40)
     told = json.loads(done.stdout)
     assert set(told) == {"configuration", "frames"}, (told, done.stderr)
@@ -161,7 +163,7 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
         returns = []
         for _ in range(cycles):
             master.kill()
-            time.sleep(0.6)  # they notice
+            time.sleep(0.6)  # the programs notice the loss
             returns.append(seconds_until_complete(master))
         latched.append(seconds_of_latecomer(master, session.stack.meta()))
         print("  what is latched, for who comes late:", " ".join(f"{t:.2f} s" for t in latched))
@@ -171,7 +173,7 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
         bridged = LatestState(session.beside.state_port)
         wait_until(lambda: bridged.state, 5, "the bridge has states")
         session.surgeon.pedal = False
-        # Services answer, and a publisher that came after the restart is heard.
+        # Services answer, and the bridge receives from a publisher that starts after the master's restart.
         answer = master.run("rosservice", "call", "/virtual_raven/press_start")
         assert "success: True" in answer.stdout, answer
         bridged.close()
@@ -187,7 +189,7 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
 
 
 def test_a_slow_master_costs_no_message_and_is_not_gone(tmp_path):
-    """A second for each call, as over a bad link or on a computer that swaps."""
+    """The master takes a second for each call, as over a bad link or on a computer that swaps."""
     with RosMaster(str(tmp_path)) as master, SlowMaster(master, 1.0, always=True) as slow, Stack() as stack:
         master.start()
         stack.environment["ROS_MASTER_URI"] = slow.uri
@@ -197,13 +199,13 @@ def test_a_slow_master_costs_no_message_and_is_not_gone(tmp_path):
         wait_until(lambda: "registered" in stack.log_text("virtual_raven"), 60, "the robot has registered")
         got, sent = map(int, master.run(sys.executable, "-c", READER, seconds=60).stdout.split())
         print(f"  {got} of {sent} messages of /ravenstate with a master that takes a second for a call")
-        assert sent > 4000 and got > 0.97 * sent, "a subscription that is made again costs a second of them"
+        assert sent > 4000 and got > 0.97 * sent, "a new subscription would lose a second of messages"
         said = stack.log_text("virtual_raven")
         assert "gone" not in said and "again" not in said, said
 
 
 def run_daemon(stack, *arguments):
-    """A daemon that gets as far as its session, and is ended there; or that ends by itself. Returns its status."""
+    """Starts a daemon and stops it when its session has begun, unless it refuses. Returns its exit code."""
     process = stack.start_daemon("--hazard", "none", *arguments)
     wait_until(lambda: os.path.exists(os.path.join(stack.output, "meta.json")) or process.poll() is not None, 30,
                "it runs or refuses")
@@ -215,7 +217,7 @@ def overridden(stack):
 
 
 def test_parameters_override_the_configuration(tmp_path):
-    """As an argument and as a launch file sets them; what they changed is what the session keeps."""
+    """One parameter is set by an argument, one on the master, as by a launch file. The session keeps both values."""
     with RosMaster(str(tmp_path)) as master, Stack() as stack:
         master.start()
         stack.environment.update(ROS_MASTER_URI=master.uri, ROS_IP="127.0.0.1")
@@ -242,19 +244,19 @@ def test_parameters_are_held_to_the_files_ranges_and_keys(tmp_path):
                 assert run_daemon(stack) == 1
                 said = stack.log_text("simulator").splitlines()[-1]
                 assert f"ROS parameter /raven2_simulator/{key}: " in said and why in said, said
-                assert not os.path.exists(stack.output), "nothing has begun"
+                assert not os.path.exists(stack.output), "the session must not begin"
                 master.ask("deleteParam", "/raven2_simulator/" + key)
 
 
 def test_without_a_master_no_parameter_overrides_and_who_asks_is_told():
-    with Stack() as stack:  # its master's address is nobody's
+    with Stack() as stack:  # no master listens at its master's address
         assert run_daemon(stack, "_haptics/tolerance:=0.005") == 0
         assert overridden(stack) == []
         assert stack.log_text("simulator").count("no parameter overrides the configuration") == 1
 
 
 def stalled_subscribers(master, topics):
-    """Subscribers that have connected and then take nothing."""
+    """Starts subscribers that connect, and stops them, so that they read nothing."""
     echoes = [master.popen("rostopic", "echo", topic) for topic in topics]
     wait_until(lambda: all(has_reader(master, topic) for topic in topics), 30, "they subscribe")
     time.sleep(0.5)
@@ -264,7 +266,7 @@ def stalled_subscribers(master, topics):
 
 
 def mute_subscriber(master, node, topic):
-    """A connection that says what a subscriber says (ROS/TCPROS) and never reads."""
+    """Connects as a subscriber does (ROS/TCPROS), but never reads."""
     with master.slave(node) as slave:
         code, words, (_, host, port) = slave.requestTopic("/mute", topic, [["TCPROS"]])
     assert code == 1, words
@@ -273,7 +275,7 @@ def mute_subscriber(master, node, topic):
               (("callerid", "/mute"), ("topic", topic), ("type", "*"), ("md5sum", "*"))]
     head = b"".join(struct.pack("<I", len(field)) + field for field in fields)
     connection.sendall(struct.pack("<I", len(head)) + head)
-    assert len(connection.recv(64)) > 4, "it is a subscriber now"
+    assert len(connection.recv(64)) > 4, "the node accepts the subscriber"
     return connection
 
 
@@ -290,13 +292,13 @@ def measured(master, topics, seconds):
         mute = mute_subscriber(master, "/virtual_raven", "/ravenstate") if topics else None
         try:
             pids = [session.stack.processes[name].pid for name in ("simulator", "virtual_raven")]
-            time.sleep(1)  # kernel buffers are full, queues are
+            time.sleep(1)  # until the kernel's buffers and the queues are full
             before = [resident_mib(pid) for pid in pids]
             first = session.robot.state
             time.sleep(seconds)
             last = session.robot.state
             growth = max(resident_mib(pid) - old for pid, old in zip(pids, before))
-            assert session.stack.stop("simulator")[0] == 0, "a stalled subscriber holds up the end"
+            assert session.stack.stop("simulator")[0] == 0, "a stalled subscriber must not delay the end"
         finally:
             if mute:
                 mute.close()
@@ -316,6 +318,6 @@ def test_a_stalled_subscriber_costs_no_memory_and_no_cycle(tmp_path):
             on_time, growth, rate = measured(master, topics, seconds)
             print(f"  {len(topics)} stalled subscribers: on time {on_time}, {growth:+.1f} MiB in {seconds} s, "
                   f"{rate:.1f} cycles a second")
-            # The log and the queues of 10 to 100 messages are all that may grow: a second of /ravenstate alone is 1 MB.
+            # Only the log and the queues of 10 to 100 messages may grow. A second of /ravenstate alone is 1 MB.
             assert growth < 16
             assert rate > 950, "the robot's cycles go on"

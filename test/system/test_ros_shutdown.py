@@ -1,5 +1,5 @@
-"""The end of every program at a signal: no force is left on the hand, the record is whole, the ports are free, and it
-takes at most a second, with a ROS master, without one, with one that hangs, and while a plan is being searched."""
+"""Every program ends within a second of a signal: with a ROS master, without one, with one that hangs, and while a plan
+is searched. Afterwards no force is left on the hand, the record is complete, and the ports are free."""
 
 import os
 import re
@@ -14,15 +14,15 @@ from stack import Stack, effort, wait_until
 from surgeon import LatestState, Surgeon
 
 E_STOP, PEDAL_UP, PEDAL_DOWN = 0, 2, 3
-ROUNDS = effort(1, 10)  # of every way to end
-JUMPS = 4  # that one robot is made to do
+ROUNDS = effort(1, 10)  # for each list of signals
+JUMPS = 4  # at most, before a new robot is started
 WITHIN = 1.0  # [s] from the signal to the end of the process
-GOODBYE = 2.0  # [s] at most for taking the registrations back, while the master answers
+GOODBYE = 2.0  # [s] at most for unregistering, while the master answers
 ENDLESS_PLAN = {"runtime": {"plan_at": 0.3}, "planner": {"samples": 100000, "time_limit": 3600.0}}
 
 
 def early_jump(stack):
-    """The packaged hazard, but 0.2 s after the pedal went down: the hand feels a force soon."""
+    """Moves the packaged hazard to 0.2 s after pedal-down, so that the hand feels a force soon."""
     path = os.path.join(stack.folder, "share", "config", "faults", "sudden_jump.yaml")
     with open(path, encoding="utf-8") as file:
         text = re.sub("first_tick: [0-9]+", "first_tick: 200", file.read())
@@ -31,7 +31,7 @@ def early_jump(stack):
 
 
 def thread_seconds(pid, name):
-    """CPU time [s] of the thread called so; 0 if there is none."""
+    """CPU time [s] of the thread with this name, or 0 without such a thread."""
     for task in os.listdir(f"/proc/{pid}/task"):
         with open(f"/proc/{pid}/task/{task}/stat", encoding="ascii") as file:
             words = file.read()
@@ -55,7 +55,7 @@ def assert_record_is_whole(stack):
 
 
 def end_daemon(stack, surgeon, signals, report):
-    """Sends the signals one after the other; judges the end."""
+    """Sends the signals one after the other. Checks the end of the daemon."""
     process = stack.processes["simulator"]
     begin = time.monotonic()
     for sign in signals:
@@ -66,7 +66,7 @@ def end_daemon(stack, surgeon, signals, report):
     report.append(seconds)
     assert code == 0, stack.log_text("simulator")
     surgeon.read_forces()
-    assert not any(surgeon.last_force), "the last packet says: no force"
+    assert not any(surgeon.last_force), "the last packet has no force"
     assert_ports_are_free(stack)
     assert_record_is_whole(stack)
 
@@ -84,7 +84,7 @@ class Once:
 
 
 class Bench:
-    """A homed robot that lives on, and a new daemon with a surgeon each round."""
+    """A homed robot, and a new daemon with a new surgeon each round. The robot keeps running."""
 
     def __init__(self, within=WITHIN, **options):
         self.stack = Stack(**options)
@@ -100,8 +100,8 @@ class Bench:
         robot = LatestState(self.stack.state_port)
         wait_until(lambda: robot.runlevel() == PEDAL_UP, 20, "homed")
         for number in range(ROUNDS * len(ways)):
-            # A jump may end in the robot's own emergency stop, and each pushes the shoulder by 0.08 rad: the seventh found it at
-            # its stop, where it moves no more.
+            # A jump may end in the robot's own emergency stop. Each jump moves the shoulder by 0.08 rad. A seventh jump
+            # would find the shoulder at its joint limit, where it cannot move.
             if robot.runlevel() != PEDAL_UP or number % JUMPS == JUMPS - 1:
                 self.stack.stop("virtual_raven")
                 self.stack.start_robot()
@@ -112,7 +112,7 @@ class Bench:
                 wait_until(lambda: robot.runlevel() == PEDAL_UP and surgeon.read_forces(), 20, "ready")
                 surgeon.press(lambda: robot.runlevel() in (PEDAL_DOWN, E_STOP))
                 begun = Once(lambda: ready(self.stack, surgeon))
-                wait_until(lambda: begun() or robot.runlevel() == E_STOP, 20, "what is to be interrupted is going on")
+                wait_until(lambda: begun() or robot.runlevel() == E_STOP, 20, "the work to interrupt has begun")
                 self.begun += begun.was_true
                 before()
                 end_daemon(self.stack, surgeon, ways[number % len(ways)], self.times)
@@ -127,10 +127,10 @@ class Bench:
 
     def __exit__(self, *error):
         print(f"  {len(self.times)} ends, seconds:", " ".join(f"{t:.2f}" for t in self.times))
-        self.stack.__exit__(*error)  # first: no program may outlive a failure
+        self.stack.__exit__(*error)  # comes first: no program may outlive a failure
         if error[0] is None:
             assert max(self.times) < self.within, self.times
-            assert self.begun > len(self.times) / 2, "the robot's own emergency stop came before it too often"
+            assert self.begun > len(self.times) / 2, "the robot's own emergency stop came first too often"
 
 
 def feels_force(_, surgeon):
@@ -140,8 +140,8 @@ def feels_force(_, surgeon):
 def is_planning(stack, surgeon):
     if surgeon.pedal:
         time.sleep(0.4)
-        surgeon.pedal = False  # the plan waits for it
-    return thread_seconds(stack.processes["simulator"].pid, "planner") > 0.1  # [s] past the goal search
+        surgeon.pedal = False  # a plan needs the pedal up
+    return thread_seconds(stack.processes["simulator"].pid, "planner") > 0.1  # [s] the goal search is over
 
 
 def test_without_a_master_the_daemon_takes_the_force_away_and_ends():
@@ -204,7 +204,7 @@ def test_the_other_programs_end_at_a_signal_without_a_master(program):
             assert code == 0, stack.log_text(program)
             if program != "master_console":
                 with socket.create_server(("127.0.0.1", stack.state_port)):
-                    pass  # free again
+                    pass  # the port is free again
             times.append(seconds)
     print(f"  {program}, seconds:", " ".join(f"{t:.2f}" for t in times))
     assert max(times) < WITHIN, times
@@ -225,7 +225,7 @@ def thread_exists(pid, name):
 
 def lifts_the_pedal(_, surgeon):
     surgeon.pedal = False
-    time.sleep(0.1)  # on its way through 406 ms at least
+    time.sleep(0.1)  # the packet is still in the network, for 406 ms at least
     return True
 
 

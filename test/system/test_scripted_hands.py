@@ -1,4 +1,4 @@
-"""Hands that do an exercise: what they see and which pedals they hold crosses the sockets."""
+"""A simulated surgeon does an exercise. Its pictures and its pedals cross the sockets."""
 
 import csv
 import os
@@ -11,16 +11,16 @@ from stack import ROOT, Stack, effort
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
 
-SECONDS = 180  # of a session that takes 10, in the long form 20 to 40
+SECONDS = 180  # time limit; a session takes 10 s, in the long form 20 to 40 s
 
 
 def first_half(exercise):
-    """A stack in which the hands do the first two things of four, in the long form all."""
+    """A stack in which the expert does the first two of its four actions, in the long form all four."""
     return Stack(configure={f"exercises/{exercise}": lambda e: e.update(expert=e["expert"][:effort(2, 4)])})
 
 
 def run(stack, exercise, *hands):
-    """A session until the hands are finished. Returns its log and the truth that the hands told."""
+    """Runs a session until the simulated surgeon has finished. Returns the log and the surgeon's own record."""
     words = ("--exercise", exercise, "--hazard", "none")
     truth = os.path.join(stack.folder, "truth.csv")
     stack.start_robot(*words)
@@ -50,7 +50,7 @@ def test_an_expert_sees_the_ring_and_carries_it():
         assert received == applied + rejected and rejected == 0 and applied > 100
         verbs = [int(row["verb"]) for row in truth if row["what"] == "begin"]
         assert verbs[:2] == [0, 1], truth
-        # The ring was taken and lifted: the first step, which the judge told and the hands did not hear.
+        # The ring was grasped and lifted. The daemon judged this first step done; the surgeon does not receive that.
         assert log.ticks["model"]["exercise"]["step"].max() >= 2, truth
 
 

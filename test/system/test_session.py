@@ -1,4 +1,4 @@
-"""One session of the programs as they are started by hand, ended by a signal."""
+"""One session of the programs as a user starts them. A signal ends it."""
 
 import socket
 import time
@@ -19,7 +19,7 @@ def test_a_session_ends_cleanly_at_a_signal_and_its_counters_add_up():
         for sequence in range(1, 1500):
             master.send(itp(sequence, sequence > 300, (10, 0, 0)))
             time.sleep(0.001)
-        assert robot_states(stack.state_port).next()  # still served
+        assert robot_states(stack.state_port).next()  # the robot still serves its states
         code, seconds = stack.stop("simulator")
         assert code == 0 and seconds < 5, stack.log_text("simulator")
         packets = stack.assert_counters_add_up()

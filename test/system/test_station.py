@@ -1,4 +1,4 @@
-"""The station by its WebSocket, with real programs and a real ROS master: sessions, hands, refusals, what is killed."""
+"""The station over its WebSocket, with real programs and ROS master: sessions, hands, refusals, killed programs."""
 
 import asyncio
 import json
@@ -60,7 +60,7 @@ def test_a_session_from_start_to_verdict(station):
             await page.until(lambda: page.newest.get("strips", {}).get("force", {}).get("gold", 0) > 0.5, 10, "the hazard is felt")
             assert (await page.ask("stop-hazard"))["ok"]
             assert page.pictures > 10 and trainee.pictures > 10
-            assert "sudden_jump" not in json.dumps(trainee.messages), "no hint for the trainee"
+            assert "sudden_jump" not in json.dumps(trainee.messages), "the trainee gets no hint"
             assert not (await trainee.ask("inject"))["ok"] and not (await trainee.ask("stop"))["ok"]
             assert (await page.ask("emergency-stop"))["ok"]
             await page.until(lambda: page.mode() == "stopped", 2, "stopped")
@@ -112,14 +112,14 @@ def test_hands_of_a_page_move_the_robot_and_let_go_with_it(station):
 
 
 def test_a_page_moves_the_robot_smoothly(station):
-    """A fast sweep at 60 messages a second: no step of the ITP stream over 0.5 mm in a millisecond, and all of it arrives."""
+    """A fast sweep at 60 messages a second. No ITP step exceeds 0.5 mm in a millisecond, and all motion arrives."""
     async def scenario():
         async with Page(station.url) as page, Page(station.url, "trainee") as trainee:
             await start(page, driver="browser", exercise="none", hazard="none")
             assert (await trainee.ask("drive"))["ok"]
             await page.until(lambda: page.mode() == "pedal_up", 20, "the robot is ready")
             await asyncio.sleep(0.5)
-            for _ in range(4):  # again where a busy machine kept the page silent, so that the pedal came up
+            for _ in range(4):  # again if a busy machine silenced the page so long that the pedal came up
                 await engage(page, trainee)
                 begun = len(page.messages)
                 for sign in (1, -1, 1, -1):
@@ -142,7 +142,7 @@ def test_a_page_moves_the_robot_smoothly(station):
 
 
 def last_press(pedal):
-    """The span of the last press that has an end, or none."""
+    """The span of the last press of the pedal."""
     edges = np.diff(np.concatenate([[0], (pedal != 0).astype(int), [0]]))
     return slice(np.flatnonzero(edges > 0)[-1], np.flatnonzero(edges < 0)[-1])
 
@@ -180,7 +180,7 @@ def test_a_killed_station_finds_its_session_again_within_3_s(station):
                 took.append(time.monotonic() - begun)
         assert min(took) <= 3.0, took
         async with Page(station.url) as page:
-            await page.until(lambda: page.phase() == "running", 5, "it runs still")
+            await page.until(lambda: page.phase() == "running", 5, "the session still runs")
             await stop(page)
         assert station.programs() == {}
     run(scenario())
@@ -224,10 +224,10 @@ def test_a_past_session_is_replayed_in_the_picture(station):
             assert not (await page.ask("replay", session="../x"))["ok"]
             answer = await page.ask("replay", session=past, seconds=60)
             assert answer["ok"], answer
-            await page.until(lambda: page.mode() == "replaying", 5, "it is shown")
-            assert page.newest["station"]["choice"]["trainee"] == "", "for nobody's history"
+            await page.until(lambda: page.mode() == "replaying", 5, "the past session is shown")
+            assert page.newest["station"]["choice"]["trainee"] == "", "a replay counts for no trainee"
             assert (await page.ask("end-replay"))["ok"]
-            await page.until(lambda: page.mode() == "pedal_up", 5, "it is over")
+            await page.until(lambda: page.mode() == "pedal_up", 5, "the replay has ended")
             await stop(page)
     run(scenario())
 
@@ -243,17 +243,17 @@ def test_a_trainer_of_a_launch_file_is_used_and_not_doubled(station):
 
     async def scenario():
         async with Page(station.url) as page:
-            await page.until(lambda: page.newest.get("station", {}).get("foreign"), 15, "it is seen")
+            await page.until(lambda: page.newest.get("station", {}).get("foreign"), 15, "the station finds the trainer")
             refused = await page.ask("start", exercise="none")
             assert not refused["ok"] and "did not start" in refused["text"], refused
-            await page.until(lambda: page.mode() == "teleoperating", 20, "it moves")
+            await page.until(lambda: page.mode() == "teleoperating", 20, "the trainer moves")
             assert (await page.ask("emergency-stop"))["ok"]
             await page.until(lambda: page.mode() == "stopped", 2, "stopped")
-            assert not (await page.ask("stop"))["ok"] and all(p.poll() is None for p in programs), "its programs are not ours to end"
+            assert not (await page.ask("stop"))["ok"] and all(p.poll() is None for p in programs), "foreign programs live on"
             for program in reversed(programs):
                 program.terminate()
                 program.wait(15)
-            await page.until(lambda: not page.newest["station"]["foreign"], 5, "it is gone")
+            await page.until(lambda: not page.newest["station"]["foreign"], 5, "the station notices the trainer's end")
             refused = await page.ask("start", exercise="nonsense")
             assert "nonsense" in refused["text"], "only the exercise is wrong now"
     try:
@@ -360,7 +360,7 @@ def test_other_computers_need_the_password(guarded):
 
 
 def junk(source):
-    """A message that no page sends."""
+    """A random message that no page sends."""
     value = [None, True, -1, 1e308, "x" * source.randint(0, 200), [], {}, [[[]]], {"a": {"b": [1, None]}}]
     names = ["start", "stop", "next", "inject", "drive", "hands", "delete", "verdict", "watch", "take-hands", "history", "class",
              "report", "video", "view", "plan", "__init__", "do", "../x", ""]
@@ -384,8 +384,8 @@ def test_messages_that_no_page_sends_end_nothing(station):
                 await (to.socket.send_bytes(message) if isinstance(message, bytes) else to.socket.send_str(message))
                 await asyncio.sleep(0.006)
             assert (await page.ask("sessions"))["ok"]
-            await page.until(lambda: page.phase() in ("idle", "running"), 30, "a session that was asked for has begun")
-            if page.phase() == "running":  # an empty start is a good one
+            await page.until(lambda: page.phase() in ("idle", "running"), 30, "a requested session has begun")
+            if page.phase() == "running":  # a start without choices is valid
                 await stop(page)
         assert "Traceback" not in station.log(), station.log()[-3000:]
     run(scenario())
@@ -402,7 +402,7 @@ def test_floods_and_giants_are_cut_off(station):
                 except (ConnectionError, aiohttp.ClientError):
                     pass
                 await page.until(lambda: page.socket.closed, 10, "a flood is cut off")
-                assert page.socket.close_code in (1008, 1006), "1006: it was closed while the page still sent"
+                assert page.socket.close_code in (1008, 1006), "1006: closed while the page still sent"
             giant = Page(station.url)
             async with giant:
                 try:

@@ -32,7 +32,7 @@ QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "-
 
 
 class Browser:
-    """One window of Chromium. Elements by their data-test names."""
+    """One window of Chromium. Finds elements by their data-test names."""
 
     def __init__(self, url):
         self._profile = tempfile.TemporaryDirectory(prefix="raven2_chromium_")
@@ -65,7 +65,7 @@ class Browser:
                 element.send_keys(value)
 
     def click(self, name):
-        """Where it can be seen, as a person would."""
+        """Scrolls to an element and clicks it, as a person would."""
         self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self[name])
         self[name].click()
 
@@ -132,17 +132,17 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
 
 
 def tip(station, arm="arm1"):
-    """[m] of an arm's tip in the world, from the daemon's own topic."""
+    """Position [m] of an arm's tip in the world, from the daemon's topic."""
     text = station.master.run("rostopic", "echo", "-n", "1", "-p", f"/{arm}/measured_cp", seconds=20).stdout.splitlines()
     values = dict(zip(text[0].split(","), text[1].split(",")))
     return [float(values[f"field.pose.position.{axis}"]) for axis in "xyz"]
 
 
 def press_pedal(browser):
-    """Again where the page asks for it: a busy machine kept the console from running for so long that the pedal came up."""
+    """Presses the pedal. Presses again if the page asks for it, because a busy machine delayed the console."""
     for _ in range(3):
         ActionChains(browser.driver).key_up(Keys.SPACE).pause(0.3).key_down(Keys.SPACE).perform()
-        browser.until(lambda: browser.text("mode").startswith("The hands move") or is_refused(browser), 5, "the pedal counts, or the page says not")
+        browser.until(lambda: browser.text("mode").startswith("The hands move") or is_refused(browser), 5, "the pedal counts or is refused")
         if not is_refused(browser):
             return
     raise AssertionError("the page asked for another press three times")
@@ -165,9 +165,9 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
     picture = driver.find_element(By.ID, "screen")
     ActionChains(driver).move_to_element(picture).click().perform()
-    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
+    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
     time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
-    for _ in range(3):  # again where a busy machine kept the console from running, so that the pedal came up
+    for _ in range(3):  # again if a busy machine delayed the console until the pedal came up
         press_pedal(browser)
         before = tip(station)
         for _ in range(30):
@@ -194,7 +194,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
 
 
 class Tip:
-    """The gold arm's tip in the world, as it is published: position [m] and rotation matrix."""
+    """The published pose of the gold arm's tip in the world: position [m] and rotation matrix."""
 
     def __init__(self, master):
         self._process = master.popen("rostopic", "echo", "-p", "/arm1/measured_cp", stdout=subprocess.PIPE)
@@ -257,7 +257,8 @@ def steer(browser, mouse, tip, goal_p, goal_R, seconds):
         off, turn = axes @ (goal_p - p), axes @ rotation_vector(goal_R @ R.T)
         if np.linalg.norm(off) < 2e-4 and np.linalg.norm(turn) < 0.02:
             return True
-        x, y, z = np.clip(10.0 * 0.5 * off, -0.06, 0.06)  # of the device, ten times the tool's; a part of it, then look again
+        # The device moves ten times as far as the tool. Half the distance, then measure again.
+        x, y, z = np.clip(10.0 * 0.5 * off, -0.06, 0.06)
         mouse.move(round(x / 0.001), round(-(y + z) / 0.0014))
         mouse.roll(float(np.clip((y - z) / 0.0168, -3, 3)))
         if np.linalg.norm(turn) > 0.015:
@@ -271,7 +272,7 @@ def steer(browser, mouse, tip, goal_p, goal_R, seconds):
 
 
 def expert_waypoints(folder):
-    """Joint motion of the expert in the same exercise: its tip's poses [base] at the start, near the ring, at the grip, lifted."""
+    """Poses [base] of the expert's tip in the same exercise: at the start, near the ring, at the grip, lifted."""
     output = os.path.join(folder, "expert")
     subprocess.run([os.path.join(BUILD, "devel/lib/raven2_trainer/simulate"), "--exercise", "pick_hand_over_place", "--motion", "expert",
                     "--seconds", "9", "--homing", "quick", "--seed", "2", "--output", output], check=True, capture_output=True, timeout=120)
@@ -286,7 +287,8 @@ def expert_waypoints(folder):
 
 
 def test_a_mouse_lifts_the_ring(station, browser):
-    """With the mouse alone to where the expert grips the ring, the left button held, and up: the exercise's first step is done."""
+    """The mouse alone moves the tool to the expert's grip of the ring, closes it with the left button, and lifts it.
+    That completes the exercise's first step."""
     start, *waypoints = expert_waypoints(station.folder)
     base = np.array([[0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [1.0, 0.0, 0.0]])  # world axes in the gold base: x up, y to the surgeon, z right
     browser.open()
@@ -300,7 +302,7 @@ def test_a_mouse_lifts_the_ring(station, browser):
     browser.click("drive")
     box = driver.find_element(By.ID, "screen").rect
     ActionChains(driver).move_to_element(driver.find_element(By.ID, "screen")).click().perform()
-    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is the page's")
+    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
     mouse = Mouse(driver, (box["width"] / 2, box["height"] / 2))
     tip = Tip(station.master)
     try:
@@ -333,12 +335,12 @@ def test_pages_fit_their_window(browser, path, width):
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
 
 
-AXE = "axe-core@4.10.2"  # of the npm registry; not shipped
+AXE = "axe-core@4.10.2"  # from the npm registry; not shipped
 
 
 @pytest.fixture(scope="module")
 def axe(tmp_path_factory):
-    """The source of axe-core, whose rules say whether a page can be used by everybody."""
+    """The source of axe-core. Its rules check whether everybody can use a page."""
     if not shutil.which("npm"):
         pytest.skip("npm is not installed: no axe-core")
     folder = tmp_path_factory.mktemp("axe")

@@ -5,30 +5,29 @@
 
 namespace raven2_trainer::control {
 
-/** Where an arm shall be at some moment, and how fast it shall move there. */
+/** Desired joint positions and velocities of an arm at one moment. */
 struct JointTarget {
   JointArray q{};   ///< [rad; m]
   JointArray dq{};  ///< [rad/s; m/s]
 };
 
-/** The control law of one arm of the nominal model: gravity compensation, PD, PID of the insertion (paper, 3.1), with
- *  that arm's gains. One law for the live model and for what is predicted of it. Real-time safe. */
+/** The control law of one arm of the nominal model: gravity compensation and PD, with PID for the insertion
+ * (paper, 3.1). The planner predicts motion with the same law. Real-time safe. */
 class ArmController {
  public:
   ArmController(const ControllerConfig& config, Arm arm) noexcept;
 
-  /** Forgets the integral: the arm starts again from where it is. */
+  /** Clears the integral, for a new start from the present position. */
   void reset() noexcept { pid_.reset(); }
 
   /**
-   * [rad; m] What to ask for so that the arm is at its target in motion: target.q + lag x target.dq. The law damps
-   * velocity, so a plain q is followed with a lag of (kd + viscous friction) / kp, 25 to 99 ms, another one for each
-   * joint. With it the law is PD on both errors, kp (q_d - q) + kd (dq_d - dq), and the viscous friction at dq_d in
-   * advance.
+   * @return [rad; m] `q_d` for torque() that keeps a moving arm on its target: target.q + lag x target.dq. The law
+   * damps velocity, so without this lead each joint lags by (kd + viscous friction) / kp, 25 to 99 ms. With the lead,
+   * the law is PD on both errors, kp (q_d - q) + kd (dq_d - dq), plus feed-forward of the viscous friction at dq_d.
    */
   JointArray leading(const JointTarget& target) const noexcept;
 
-  /** [Nm; N] towards `q_d` from where the arm is. @param[in] gravity [Nm; N] that would hold it there. */
+  /** @return [Nm; N] from `q` towards `q_d`. @param[in] gravity [Nm; N] holds the arm at `q`. */
   JointArray torque(const JointArray& q_d,
                     const JointArray& q,
                     const JointArray& dq,

@@ -6,26 +6,26 @@
 
 namespace raven2_trainer {
 
-/** Mode of the daemon. The table of events is in control/mode_table.h. */
+/** Mode of the daemon. control/mode_table.h lists the events that change it. */
 enum class Mode : std::uint8_t {
   kWaiting,        ///< no pedal packet yet, or the robot is not ready
-  kPedalUp,        ///< disengaged: the model follows the robot's joints, or holds without a robot
-  kTeleoperating,  ///< pedal down: increments move model and robot
+  kPedalUp,        ///< disengaged: the model follows the robot's joints or, without a robot, holds
+  kTeleoperating,  ///< pedal down: the masters move model and robot
   kPlanning,       ///< pedal up, a plan is being computed; the model holds
-  kTracking,       ///< the model follows a planned path; the robot holds
-  kStopped,        ///< the robot is in E-STOP; the model holds
-  kPaused,         ///< simulated time was lost: the model holds and the session's clock stops until pedal-down
-  kChoosing,   ///< planning mode: pedal down moves one arm of the model through objects to a goal; the robot holds
-  kArmed,      ///< pedal up: the model is at the plan's start and waits for the pedal
-  kExecuting,  ///< pedal held: the model follows the plan's path; so does the robot if requested
-  kSimulating,      ///< pure simulation, pedal down: increments move only the model; the robot is disengaged
-  kSimulationHeld,  ///< the same, pedal up: the model holds
+  kTracking,       ///< pedal up: the model shows a planned path; the robot holds
+  kStopped,        ///< emergency stop (robot, request or failed model): the model holds
+  kPaused,      ///< after lost time or a pause request: the model holds and the session's clock stops until pedal-down
+  kChoosing,    ///< pedal down: the masters move one arm of the model through objects to a goal; the robot holds
+  kArmed,       ///< pedal up: the model is at the plan's start and waits for the pedal
+  kExecuting,   ///< pedal down: the model follows the plan's path, and the robot too if requested
+  kSimulating,  ///< pure simulation, pedal down: the masters move only the model; the robot is disengaged
+  kSimulationHeld,  ///< pure simulation, pedal up: the model holds
   kTrial,           ///< virtual trial, pedal down: as kSimulating, and the motion is recorded
-  kTrialHeld,       ///< the same, pedal up: the model holds
-  kTrialReady,      ///< the trial has ended and waits: repeat or discard
-  kReturning,       ///< pedal up: the model glides to the robot's joints, through objects
-  kReplaying,       ///< pedal up: the model shows a recorded session, the world is paused; the robot holds
-  kCameraMoving,    ///< camera pedal held: the masters move the camera; model and robot hold
+  kTrialHeld,       ///< virtual trial, pedal up: the model holds
+  kTrialReady,      ///< the trial is over: a request repeats or discards it
+  kReturning,       ///< the model moves smoothly to the robot's joints, through objects
+  kReplaying,       ///< pedal up: the model shows a recorded session without physics; the robot holds
+  kCameraMoving,    ///< camera pedal down: the masters move the camera; model and robot hold
 };
 constexpr std::size_t kModeCount = 18;
 constexpr std::array<const char*, kModeCount> kModeNames{
@@ -50,38 +50,38 @@ constexpr std::size_t kActivityCount = 9;
 /** Arms that a mode can move. */
 enum class Moves : std::uint8_t {
   kNothing,
-  kModel,       ///< the model, apart from the robot; the robot does not move
-  kBoth,        ///< model and robot from a common pose, or only the model without a robot
-  kBothIfAsked  ///< the same, if the request includes the robot
+  kModel,       ///< the model alone; the robot does not move
+  kBoth,        ///< model and robot from a common pose; without a robot, only the model
+  kBothIfAsked  ///< as kBoth if the request includes the robot, else as kModel
 };
 
-/** Motion of the world. */
+/** How physics treats the scene's objects. */
 enum class WorldMotion : std::uint8_t {
-  kMeets,   ///< the world is stepped, and the arms collide with it
-  kPasses,  ///< the world is stepped, and the arms pass through it
-  kStill,   ///< the world is not stepped: bodies are placed without physics
+  kMeets,   ///< objects move by physics and the arms collide with them
+  kPasses,  ///< objects move by physics and the arms pass through them
+  kStill,   ///< no physics: arms and objects are only placed
 };
 
-/** Properties of a mode: a row of traitsOf(). doc/modes.md shows them; a test compares both. */
+/** Properties of a mode: a row of traitsOf(). A test compares them with the table in doc/modes.md. */
 struct ModeTraits {
   ActivityKind activity{};
   Moves moves{};
   WorldMotion world{};
   bool hands{};         ///< the masters move an arm of the model
-  bool keeps_plan{};    ///< a plan may be kept
-  bool keeps_trial{};   ///< a virtual trial may be kept
-  bool keeps_repeat{};  ///< a requested or running repetition of a trial may be kept
+  bool keeps_plan{};    ///< a plan stays; else it is deleted
+  bool keeps_trial{};   ///< a virtual trial stays
+  bool keeps_repeat{};  ///< a requested or running repetition of a trial stays
   bool clients_hold{};  ///< a CRTK client may hold the pedal
   bool begins{};        ///< the session's clock starts with this mode
   bool timed{};         ///< an exercise's timer runs
-  bool judged{};        ///< contacts of arms and motion of objects count in an exercise
+  bool judged{};        ///< an exercise judges contacts and objects
   bool follows_plan{};  ///< the model follows a plan's path
   bool may_replay{};    ///< a replay may start from this mode
 };
 
 constexpr bool kYes = true, kNo = false;
 
-/** Real-time safe. A mode without a row does not compile (-Wswitch). */
+/** Real-time safe. The compiler rejects a mode without a row (-Wswitch). */
 constexpr ModeTraits traitsOf(Mode mode) noexcept {
   using A = ActivityKind;
   using M = Moves;
@@ -110,7 +110,7 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
     case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo};
       // clang-format on
   }
-  return {};  // not a mode
+  return {};  // invalid mode
 }
 
 }  // namespace raven2_trainer

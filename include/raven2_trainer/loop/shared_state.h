@@ -25,13 +25,13 @@
 namespace raven2_trainer {
 
 /**
- * The one struct that the daemon's threads share. Every cell has one writer, every ring one producer and one
- * consumer, named on the line above it. No member is ever locked. About 11 MiB: allocate on the heap, once.
+ * The one struct that the daemon's threads share. Every cell has one writer, every ring one producer and one consumer:
+ * the threads on the line above (doc/architecture.md). No locks. About 11 MiB: allocate on the heap, once.
  */
 struct SharedState {
-  /** With new record queues. */
+  /** Creates its record queues. */
   SharedState() : SharedState(std::make_unique<RecordRings>()) {}
-  /** With external record queues, which must outlive it. */
+  /** Uses `queues`, which must outlive this struct. */
   explicit SharedState(RecordRings* queues)
       : records(*queues),
         tick_records(records.ticks),
@@ -56,15 +56,15 @@ struct SharedState {
   StateCell<RobotState> robot;
   // written by faults
   StateCell<FaultPlan> faults;
-  // written by physics: the newest answer of the planner, cancelled ones included
+  // written by physics: newest result of the planner, also if cancelled
   StateCell<PlanResult> last_plan;
-  // written by physics: result of the newest execution of a plan
+  // written by physics: report of the newest execution of a plan
   StateCell<ExecutionReport> last_execution;
-  // written by physics: the newest events of the exercise
+  // written by physics: newest events of the exercise
   StateCell<ExerciseNews> exercise_news;
   // written by physics: state of the arms for CRTK clients
   StateCell<ServoState> servo;
-  // counted up by ros: Request::id of the next request that wants an answer
+  // incremented by ros: Request::id of the next request that wants an answer
   std::atomic<std::uint32_t> next_request{kOwnRequestIds + 1};
   // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest image; 0: no image yet
   StateCell<std::int64_t> real_picture_ns;
@@ -74,16 +74,16 @@ struct SharedState {
   StateCell<std::uint8_t> stereo_watched;
   // written by planner: the tip's path of the newest successful plan
   StateCell<GuidePath> guide_path;
-  // written by ingest
+  // written by ingest: counts of ITP packets; newest mostly rejected stream
   StateCell<LinkCounts> master_link;
   StateCell<StreamFinding> master_stream;
   // written by ingest: counts of pedal packets
   StateCell<LinkCounts> pedal_link;
   // written by robot_link
   StateCell<LinkCounts> robot_link;
-  // written by robot_link: the robot's frame version if it was refused, major << 8 | minor; else 0
+  // written by robot_link: the robot's frame version if rejected, major << 8 | minor; else 0
   StateCell<std::uint16_t> robot_version_refused;
-  // written by robot_link: 1 while the robot refuses our fault plan
+  // written by robot_link: 1 while the robot rejects the daemon's fault plan
   StateCell<std::uint8_t> plan_refused;
   // written by physics
   StateCell<LoopTiming> physics_timing;
@@ -109,10 +109,10 @@ struct SharedState {
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics
   ServoQueue servo_commands;
-  // physics -> ros (crtk): refused commands
+  // physics -> ros (crtk): rejected commands
   SpscRing<ServoRefused, 256> servo_refused;
-  // physics -> ros: one answer to each request, except the daemon's own; not counted, because without a ROS master
-  // nobody reads them
+  // physics -> ros: one answer to each request except the daemon's own; not in ringCounts(), because nobody reads them
+  // without a ROS master
   SpscRing<RequestAnswer, 64> answers;
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
   SpscRing<ExecutionReport, 8> execution_answers;
@@ -124,14 +124,14 @@ struct SharedState {
   SpscRing<PlanRequest, kMaxPlansUnderWay> plan_requests;
   // planner -> physics
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_results;
-  // physics -> planner: the plan is cancelled. The index is PlanRequest::serial modulo the size, so that all pending
-  // plans differ. physics clears a flag before it pushes the request; the planner sets all when the program ends.
+  // physics -> planner: the plan is cancelled. Index: PlanRequest::serial modulo the size; one flag per pending plan.
+  // physics clears the flag before it pushes the request. PlannerWorker::cancel() sets all at the program's end.
   std::array<std::atomic<bool>, kMaxPlansUnderWay> plan_cancelled{};
   // physics -> sender
   SpscRing<RelayPacket, 256> relay_packets;
   // haptic -> sender
   SpscRing<ForcePacket, 256> force_packets;
-  // player -> physics; not counted: frames of an aborted replay are discarded
+  // player -> physics; not in ringCounts(): an aborted replay discards its frames
   SpscRing<ReplayFrame, kReplayFrames> replay_frames;
   // the queues to the recorder (RecordRings names their producers)
   RecordRings& records;
@@ -148,24 +148,24 @@ struct SharedState {
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;       // physics
-  Counter master_overruled;  // physics: the console's, while a client held the pedal
-  Counter servo_made;        // physics: commands made from clients' motion
-  Counter efforts_made;      // physics: requests made from clients' forces
-  Counter servo_unread;      // ros: clients' messages that are no valid command
-  Counter ik_clamped;        // physics
+  Counter master_overruled;  // physics: the console's commands while a CRTK client held the pedal
+  Counter servo_made;        // physics: commands from CRTK clients' motion
+  Counter efforts_made;      // physics: requests from CRTK clients' forces
+  Counter servo_unread;      // ros: invalid messages of CRTK clients
+  Counter ik_clamped;        // physics: ticks clamped at a joint limit
   Counter relay_sent;        // sender
   Counter force_sent;        // sender
   Counter frames;            // render
   Counter sight_sent;        // sight
 
-  Counter contacts_dropped;      // physics: beyond the longest list
-  Counter fault_changes_lost;    // robot_link: gaps in the received numbers
-  Counter fault_changes_unreported;  // physics: beyond the engines' capacity in a tick
-  Counter relay_failed;          // sender: the system did not send it
-  Counter relay_released;        // sender: its own pedal-up packets
-  Counter force_failed;          // sender
-  Counter force_silent;          // sender: its own zero forces
-  Counter sight_failed;          // sight
+  Counter contacts_dropped;          // physics: beyond ContactList's capacity
+  Counter fault_changes_lost;        // robot_link: missing, or dropped by the full ring
+  Counter fault_changes_unreported;  // physics: beyond an engine's capacity in a tick
+  Counter relay_failed;              // sender: the system rejected it
+  Counter relay_released;            // sender: generated pedal-up packets
+  Counter force_failed;              // sender
+  Counter force_silent;              // sender: generated zero forces
+  Counter sight_failed;              // sight
  private:
   explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
     own_records_ = std::move(queues);
@@ -173,7 +173,7 @@ struct SharedState {
   std::unique_ptr<RecordRings> own_records_;
 };
 
-/** The counters of all rings, by RingId. Any thread. */
+/** Counters of the rings in RingId. Any thread. */
 inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexcept {
   return {s.master_commands.counts(), s.requests.counts(),          s.pedal_requests.counts(),
           s.fault_requests.counts(),  s.fault_changes.counts(),     s.plan_requests.counts(),
@@ -184,7 +184,7 @@ inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexc
           s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
-/** The counters in the shared state; the caller adds those of links and loops. Any thread. */
+/** Counters in the shared state; the caller adds those of links and loops. Any thread. */
 inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   SessionCounts c;
   c.master_used = s.master_used.value();

@@ -11,23 +11,23 @@
 
 namespace raven2_trainer::net {
 
-/** A UDP socket that both sends and receives, for a program between two others. Non-blocking; after construction
- *  it neither throws nor allocates. */
+/** A UDP socket that both sends and receives, for a proxy. Non-blocking; after construction it neither throws nor
+ *  allocates. */
 class UdpSocket {
  public:
-  /** Listens. Parameters and errors are those of UdpReceiver. */
+  /** Binds to a local address. Parameters and errors as in UdpReceiver. */
   static UdpSocket bound(const std::string& address, std::uint16_t port, double patience = kBindPatience);
 
-  /** Talks to one peer and hears of nobody else. @throw NetworkException. */
+  /** Connects to one peer: receives only from it. @throw NetworkException. */
   static UdpSocket connected(const Endpoint& peer);
 
-  /** Next datagram waiting, not longer than `capacity` or else cut to it. */
+  /** Next datagram, cut to `capacity` bytes; empty if none waits. */
   std::optional<Datagram> receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
-  /** To the peer of a connected socket. @return false if the system did not take it. */
+  /** Sends to the peer of a connected socket. @return false if the system rejects it. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
-  /** To anybody, from a bound socket. */
+  /** Sends from a bound socket; otherwise as send(). */
   bool sendTo(const Endpoint& peer, const std::uint8_t* bytes, std::size_t size) noexcept;
 
   std::uint16_t port() const noexcept { return port_; }

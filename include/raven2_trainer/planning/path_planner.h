@@ -14,110 +14,109 @@
 namespace raven2_trainer::planning {
 
 /**
- * Planners that solve the same problem: the same cube, checks, cost and samples' seed. FMTstar is ours
- * (planning/fmt_star.h), the others are OMPL's; FMT is OMPL's own, which takes the cost for a distance.
+ * Planners that solve the same problem: same state space, checks, cost and seed. FMTstar is ours (planning/fmt_star.h).
+ * The others are OMPL's; OMPL's FMT chooses neighbours by cost instead of distance.
  */
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
-/** True of FMTstar and FMT, which take n samples; the others draw until they have a path or the time is up. */
+/** True for FMTstar and FMT, which take n samples. The others sample until they have a path or the time is over. */
 bool takesSamples(const std::string& planner);
 
-/** True of FMTstar: OMPL's planners do not report the number of their free samples, nor the time for them. */
+/** True for FMTstar. OMPL's planners report neither the number of free samples nor the sampling time. */
 bool reportsSamples(const std::string& planner);
 
-/** What one plan does otherwise than config/planner.yaml says. */
+/** Settings of one plan, in place of those in config/planner.yaml. */
 struct PlanOptions {
   std::string planner;               ///< one of kPlannerNames
-  std::uint32_t samples{};           ///< n of the paper: free samples to begin with
-  std::uint32_t max_samples{};       ///< most after failures; equal to `samples`: no additions (success at exactly n)
-  std::uint32_t improve_attempts{};  ///< [-] of the local improvement of the path found; 0: plain FMT*
+  std::uint32_t samples{};           ///< n of the paper: collision-free samples at the start
+  std::uint32_t max_samples{};       ///< most, including additions after failures; equal to `samples`: no additions
+  std::uint32_t improve_attempts{};  ///< [-] attempts to improve the path locally; 0: plain FMT*
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
-  double eta_clearance{};            ///< eta3, of the clearance term
+  double eta_clearance{};            ///< eta3: weight of the clearance term
   double time_limit{};               ///< [s]
-  bool until_time_limit{};  ///< anytime planners (RRTstar, PRMstar, BITstar, ABITstar) use all the time there is
+  bool until_time_limit{};  ///< anytime planners (RRTstar, PRMstar, BITstar, ABITstar) use the whole time limit
 };
 
-/** The options that config/planner.yaml stands for. */
+/** The settings in config/planner.yaml. */
 PlanOptions defaultOptions(const PlannerConfig& config);
 
-/** How far the plan under way has come; any thread may read it while another one plans. Zero before the first. */
+/** Progress of the running plan. Any thread may read it. Zero before the first plan. */
 struct PlanProgress {
-  std::atomic<std::uint32_t> samples{0};   ///< free samples kept, n and those added after failures; if reportsSamples()
+  std::atomic<std::uint32_t> samples{0};   ///< collision-free ones, also added ones; 0 without reportsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
-  std::atomic<std::uint32_t> rollouts{0};  ///< paths followed by the dynamics
-  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: none yet
+  std::atomic<std::uint32_t> rollouts{0};  ///< paths that the simulated arm followed
+  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: no path yet
 };
 
-/** Effort for a plan, for tables. Times are wall clock; in lockstep they stay 0. */
+/** Effort of one plan, for studies. Times are wall clock; in lockstep they stay 0. */
 struct PlanStatistics {
-  std::uint32_t samples{};              ///< free samples used, those added after failures included; if reportsSamples()
+  std::uint32_t samples{};              ///< as PlanProgress::samples
   std::uint64_t draws{};                ///< samples drawn, free or not
-  std::uint64_t state_checks{};         ///< states checked for collision, those within edges left aside
+  std::uint64_t state_checks{};         ///< states checked for collision, without those within edges
   std::uint64_t edge_checks{};          ///< edges checked for collision
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
-  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, those given up half-way included
-  std::uint32_t rollouts{};             ///< paths followed by the dynamics
-  std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something
-  std::uint32_t rounds{};               ///< times that samples were added after a failure
+  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, also incomplete ones
+  std::uint32_t rollouts{};             ///< paths that the simulated arm followed
+  std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something or left the path
+  std::uint32_t rounds{};               ///< how often samples were added after a failure
   double plain_cost{};                  ///< eq. (1) before the local improvement
   double improved_cost{};               ///< eq. (1) of the path returned
   double clearance_cost{};              ///< the eta3 term of the path returned
-  double goal_time{};                   ///< [s] check of start, search of the goal, choice of the arm
-  double sampling_time{};               ///< [s] if reportsSamples(); else part of the search
-  double neighbour_time{};              ///< [s] the same
-  double search_time{};                 ///< [s] the rest of the search: costs and edge checks
+  double goal_time{};                   ///< [s] checking the start, finding the goal, choosing the arm
+  double sampling_time{};               ///< [s] if reportsSamples(); else part of search_time
+  double neighbour_time{};              ///< [s] finding neighbours; likewise
+  double search_time{};                 ///< [s] the rest of the search: costs, edge checks
   double improvement_time{};            ///< [s]
   double rollout_time{};                ///< [s]
 };
 
 /**
- * FMT* path planner for one arm, six joints at a fixed jaw opening (paper, 2.3). State space normalised to the unit
- * cube; cost eq. (1) and a term for clearance. Each path is followed by the dynamics of the model before it is
- * returned, and judged by FCL on the shapes of the URDFs. Own OMPL problem per plan(); never the live ODE world.
- * Allocates and keeps scratch space: one thread at a time, the planner thread or lockstep; several planners may work
- * side by side.
+ * FMT* path planner for one arm: six joints at a fixed jaw opening (paper, 2.3). The state space is the unit cube. The
+ * cost is eq. (1) plus a clearance term. Before a path is returned, a simulated arm follows it, and FCL checks the
+ * motion on the shapes of the URDFs. Each plan() has its own OMPL problem and never uses the live ODE world. Not
+ * real-time safe. One thread at a time may use a planner; several planners may run in parallel.
  *
- * The free bodies of the scene (the ring) are no obstacles: the goal is at the ring.
+ * The free bodies of the scene (the ring) are no obstacles, because the goal is at the ring.
  *
- * The data of the scene, the grid of distances and the free volume of eq. (2), are computed by prepare() or
- * before the first plan, and do not count in a plan's time.
+ * prepare(), or else the first plan(), computes the data of the scene: the distance grid and the free volume of eq.
+ * (2). This does not count as planning time.
  */
 class PathPlanner {
  public:
   /**
-   * A planner that does not follow its paths: they are free along straight edges in joint space, with the clearance.
-   * @param[in] raven must outlive this. @throw ModelException if a collision shape is a mesh.
+   * A planner without a simulated arm: its paths keep the clearance along straight edges in joint space.
+   * @param[in] raven Must outlive this. @throw ModelException if a collision shape is a mesh.
    */
   PathPlanner(const model::RavenModel& raven, const model::SceneModel& scene, const PlannerConfig& config);
-  /** A planner that returns no path which the arm, moved by the dynamics of `model`, touches something on. */
+  /** A planner that returns only paths on which an arm, simulated with `model`, touches nothing. */
   PathPlanner(const model::RavenModel& raven,
               const model::SceneModel& scene,
               const PlannerConfig& config,
               const ModelConfig& model);
   ~PathPlanner();
 
-  /** Works out what belongs to the scene alone, some tenths of a second, unless that was done. plan() does it too.
-   *  @param[in] cancel set from another thread to give up: the next prepare() or plan() begins again.
-   *  @throw ModelException, std::bad_alloc, std::runtime_error if given up; plan() then says kFailed or kCancelled. */
+  /** Computes the data of the scene, in some tenths of a second, unless they exist.
+   *  @param[in] cancel Another thread sets it to cancel; the next prepare() or plan() starts again.
+   *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. plan() returns kFailed or kCancelled. */
   void prepare(const std::atomic<bool>& cancel);
-  /** The same to the end. */
+  /** As prepare(cancel), but cannot be cancelled. */
   void prepare();
 
   /**
-   * Plans. Never throws for what is asked: every failure is a status, and comes in finite time. Stops on samples and,
-   * unless `lockstep`, on the time limit; the same request, options and seed give the same path (of OMPL's planners
-   * only one at a time in a process, and in lockstep). A path of more than kMaxWaypoints counts as none. planning_time
-   * is measured here unless `lockstep`, which leaves it 0.
-   * @param[in] cancel set from another thread to give up within 100 ms.
+   * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the sample limit
+   * and, unless `lockstep`, at the time limit. The same request, options and seed give the same path; with OMPL's
+   * planners, only in lockstep and if they plan one at a time in the process. A path of more than kMaxWaypoints gives
+   * kNoPath. planning_time is the measured time; in lockstep it stays 0.
+   * @param[in] cancel Another thread sets it to cancel within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
 
   /**
-   * The same with other options. A planner that is not known, or a weight or time that is negative or 1e9 and more,
-   * gives kFailed, and so does PRMstar in lockstep: its paths differ from run to run.
-   * @param[out] statistics may be null.
+   * The same with other options. Returns kFailed for an unknown planner, a weight or time limit that is negative or at
+   * least 1e9, and PRMstar in lockstep: its paths differ from run to run.
+   * @param[out] statistics May be null.
    */
   PlanResult plan(const PlanRequest& request,
                   std::uint64_t seed,
@@ -126,13 +125,13 @@ class PathPlanner {
                   const PlanOptions& options,
                   PlanStatistics* statistics = nullptr);
 
-  /** Of the plan under way, or of the last one. Lives as long as the planner. Any thread. */
+  /** Progress of the running or last plan. Lives as long as the planner. Any thread. */
   const PlanProgress& progress() const noexcept;
 
-  /** True if the arm at `q` touches the scene, itself or the other arm at `other`, or is nearer than the clearance. */
+  /** True if the arm at `q` is nearer than the clearance to the scene, the robot (other arm at `other`) or itself. */
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) const;
 
-  /** Cost of eq. (1) of the straight rest-to-rest motion from `a` to `b`; the opening is that of `a`. */
+  /** Cost, eq. (1), of the straight motion from rest at `a` to rest at `b`, with the jaw opening of `a`. */
   double edgeCost(Arm arm, const JointArray& a, const JointArray& b) const;
 
  private:

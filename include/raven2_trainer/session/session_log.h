@@ -8,16 +8,16 @@
 
 #include "raven2_trainer/core/record.h"
 
-// The session log, session.rlog: append-only, the authoritative record of a session. Each record: magic, type, version,
-// payload length, record number, payload, CRC-32. The first record describes every record's fields in JSON, so that
-// a reader in any language needs nothing else (example: scripts/raven2_session.py). Records are written field by
-// field, so the bytes depend only on the values. Format: doc/session.md.
+// The session log, session.rlog, is append-only: the authoritative record of a session. Each record has magic, type,
+// version, payload length, record number, payload and CRC-32. The first record describes every record's fields in JSON,
+// so that a reader in any language needs nothing else (example: scripts/raven2_session.py). Records are written field
+// by field, so the bytes depend only on the values. Format: doc/session.md.
 
 namespace raven2_trainer::session {
 
 /** A copy of one of the session's configuration files. */
 struct ConfigurationFile {
-  std::string path;   ///< below the session's directory
+  std::string path;   ///< relative to the session's directory
   std::string fnv1a;  ///< hash of its bytes, hex
 };
 
@@ -46,14 +46,14 @@ struct LogHeader {
   HeaderHand hand{};
   HeaderCamera camera{};
   std::vector<std::vector<std::string>> step_names;  ///< of the exercise, by ExerciseEvent::track and ::step
-  std::vector<std::string> object_names;             ///< of its scene, in the order of SceneRoles::objects
+  std::vector<std::string> object_names;             ///< of the exercise's scene, in the order of SceneRoles::objects
   std::string motion;                                ///< the console's motion (console/make_motion.h); "" if unknown
-  double d4{};                                       ///< [m] for conversions of joint coordinates
-  double tolerance{};                                ///< [m] of the haptic cue
+  double d4{};                                       ///< [m] ArmGeometry::d4, to convert joint coordinates
+  double tolerance{};                                ///< [m] tip error above which the force cue acts
   int model_version{1};                              ///< kModelVersion of the program that recorded
-  PerArm<bool> arm_contacts{};                       ///< whether the model's arm collides with the scene, at the start
+  PerArm<bool> arm_contacts{};                       ///< whether the model's arm collides with the scene at the start
   std::vector<std::string> body_names;               ///< indexed by the body numbers of contact records
-  std::vector<ConfigurationFile> configuration;      ///< copies next to the log, root file first; empty: no copies
+  std::vector<ConfigurationFile> configuration;      ///< copied files, root file first; empty: no copies
 };
 
 /** Position after the last complete record of a log. */
@@ -63,40 +63,40 @@ struct LogPosition {
 };
 
 /**
- * Writes one log. write() collects a batch and commit() appends it to the file at once, so that a killed process leaves
- * complete batches and at most one incomplete batch. Not for real-time threads. While a LogWriter exists, other
- * processes cannot recover the log. @throw SessionException from the constructors and finish() if the file cannot be
- * opened or written, and from write() for a batch over 16 MiB.
+ * Writes one log. write() adds a record to a batch. commit() appends the batch to the file, so that a killed
+ * process leaves complete batches and at most one incomplete batch. Not for real-time threads. While a LogWriter
+ * exists, other processes cannot recover the log. @throw SessionException if the file cannot be opened or written: from
+ * the constructors and finish(), and from write(), which commits a batch over 16 MiB.
  */
 class LogWriter {
  public:
   /** Creates a log and writes its header. */
   LogWriter(const std::string& path, const LogHeader& header);
-  /** Continues an existing log after `position`, and cuts off the rest. */
+  /** Truncates an existing log at `position` and continues it. */
   LogWriter(const std::string& path, const LogPosition& position);
-  /** Commits. */
+  /** Commits the batch. */
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
   template <typename T>
   void write(const T& record);
-  /** Allocates memory for a batch of that many bytes and touches every page, so that write() allocates no more. */
+  /** Allocates a batch of `bytes` and touches every page, so that write() need not allocate. */
   void reserve(std::size_t bytes);
   /**
-   * Writes the batch. @return false if the write fails: then the file is unchanged, the batch is discarded, and
-   * error() gives the reason. The next commit() tries the disk again.
+   * Appends the batch. @return false if the write fails: the file is unchanged, the batch is discarded, and error()
+   * gives the reason. The next commit() tries the disk again.
    */
   bool commit() noexcept;
-  /** Forces the committed part to the disk; may take long. @return false with error() set. */
+  /** Forces committed records to the disk; may take long. @return false with error() set. */
   bool sync() noexcept;
-  /** The committed part. */
+  /** Position after the last committed record. */
   LogPosition position() const noexcept;
   /** errno of the last failed write; 0 if no write failed. */
   int error() const noexcept;
-  /** Writes the batch, and the counters as the last record, into reserved space. A log without them ended uncleanly. */
+  /** Writes the batch and the counters, which mark a clean end, into reserved disk space. */
   void finish(const SessionCounts& counts);
-  /** The same, for a log whose writer was killed. */
+  /** As finish(), for a log whose writer was killed: `recovery` is the last record. */
   void finishRecovery(const RecoveryRecord& recovery);
 
  private:
@@ -104,7 +104,7 @@ class LogWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/** Callbacks for the records, in file order; any may be empty. */
+/** Callbacks for the records, in file order; each may be empty. */
 struct LogVisitor {
   std::function<void(const TickRecord&)> tick;
   std::function<void(const HapticRecord&)> haptic;
@@ -125,7 +125,7 @@ struct LogVisitor {
 struct LogSummary {
   LogHeader header;
   std::uint64_t records{};          ///< intact records after the header
-  bool clean{};                     ///< the log has its last record, the counters
+  bool clean{};                     ///< the log ends with the counters
   bool recovered{};                 ///< the writer was killed; a recovery completed the log
   std::uint64_t bad_bytes{};        ///< skipped because of a wrong CRC, length or value
   std::uint64_t truncated_bytes{};  ///< bytes of an incomplete last record
@@ -137,7 +137,7 @@ struct LogSummary {
  */
 LogSummary readLog(const std::string& path, const LogVisitor& visitor);
 
-/** Reads only the ticks of a log, one for each call; otherwise as readLog(). */
+/** Like readLog(), but reads only tick records, one per call of next(). */
 class TickReader {
  public:
   /** @throw SessionException as readLog(). */
@@ -147,9 +147,9 @@ class TickReader {
   TickReader& operator=(const TickReader&) = delete;
 
   const LogHeader& header() const noexcept;
-  /** @return false at the end of the file. @throw SessionException if it cannot be read. */
+  /** @return false at the end of the file. @throw SessionException if the file cannot be read. */
   bool next(TickRecord* record);
-  /** [bytes] of the file read so far. */
+  /** [bytes] read so far. */
   std::uint64_t position() const noexcept;
 
  private:

@@ -16,33 +16,32 @@
 namespace raven2_trainer::training {
 
 /**
- * Judges one attempt at an exercise after the other from what the physics did: contacts and poses of each tick. It
- * neither knows nor asks what moves the arms.
+ * Judges the attempts at an exercise, one after the other, from the contacts and poses of each tick. It does not use
+ * the source of the motion.
  *
- * - An arm holds an object once both its jaws pressed on it with more than 0.05 N for 20 ms, until they did not for 50
- * ms.
- * - Steps only go forward. A step is done when all it waits for held together for its dwell; a track waits for the one
- *   named in its `after`. In one tick a track goes on by one step at most.
- * - Mistakes count from the beginning of the timer on; what breaks off counts from the start.
- * - An object was dropped if it had been lifted for 0.1 s or more, was let go, and is `grace` later neither held nor
- *   around a target nor where the step it was let go for wants it.
- * - An object is lost if it rests untouched where neither arm reaches it in any of 720 attitudes. They are tried
- *   one a tick.
- * - Where the model does not move by its own physics (choosing a goal, following a plan, returning, replay), in
- * rehearsals and while time is lost nothing is judged: what was held counts as released, and touches end. Time goes on
- * but in waiting, paused and replaying.
+ * - An arm holds an object when each of its jaws has pressed on it with more than 0.05 N for 20 ms. The hold ends after
+ *   50 ms without such a press.
+ * - A step is done when all its conditions have been true together for its `dwell`; it stays done. A track begins when
+ *   the track named in its `after` is done. Each track finishes at most one step per tick.
+ * - Mistakes count once the timer runs. A part that breaks off counts from the start of the attempt.
+ * - An object was dropped if it had been lifted for 0.1 s or more, was released, and `grace` later is neither held, nor
+ *   around a target, nor where the track's current or previous step expects it.
+ * - An object is lost if it rests untouched for 1 s where neither arm reaches it in any of 720 tool orientations, or if
+ *   it fell off the table. Each tick tries one orientation of one arm.
+ * - Nothing is judged in modes without ModeTraits::judged (choosing a goal, tracking a plan, returning, replay and
+ *   others) and in rehearsals: held objects count as released, and touches end. The timer runs where ModeTraits::timed.
  *
- * The constructor is set-up; everything else is real-time safe. One thread owns a judge.
+ * Real-time safe except for the constructor. One thread owns a judge.
  */
 class ExerciseJudge {
  public:
   /**
-   * @param[in] exercise without tracks: no exercise; the state stays "none" for ever.
-   * @param[in] roles of the scene that the exercise was loaded for. @param[in] scene of the same.
-   * @param[in] camera whose lens counts; its place is ModelState::camera.
+   * @param[in] exercise Without tracks, the status stays kNone.
+   * @param[in] roles Roles of the exercise's scene. @param[in] scene That scene.
+   * @param[in] camera Only the lens is used; the pose is ModelState::camera.
    * @param[in] body_names physics::RavenWorld::bodyNames().
-   * @throw ConfigException with FILE:LINE for a rule that names no body of the scene or robot, an object that is no
-   * free body, and tissue that is not there, moves or collides by a mesh.
+   * @throw ConfigException with FILE:LINE if a rule names a body that is missing in scene and robot, an object is not a
+   * free body, or tissue is missing, moves or collides by a mesh.
    */
   ExerciseJudge(const Exercise& exercise,
                 const SceneRoles& roles,
@@ -54,35 +53,35 @@ class ExerciseJudge {
   ExerciseJudge(const ExerciseJudge&) = delete;
   ExerciseJudge& operator=(const ExerciseJudge&) = delete;
 
-  /** A new attempt begins with the next tick. Before the first one nothing is judged. */
+  /** Begins a new attempt in the next tick. Nothing is judged before the first attempt. */
   void start() noexcept;
 
-  /** The attempt, if there is one, fails with the next tick. */
+  /** The current attempt, if any, fails in the next tick. */
   void giveUp() noexcept;
 
   /**
-   * Whether what the next ticks do will be undone, as a virtual trial is. Then nothing is judged, breaking off
-   * included, and time goes on: what is recorded of an attempt is never taken back, and what remains, the trial's
-   * repetition on the robot, is judged as any motion.
+   * @param[in] is_rehearsal True if the effects of the next ticks will be undone, as in a virtual trial. The timer
+   * runs, but nothing is judged, not even parts that break off, because judgements are never undone. The trial's
+   * repetition on the robot is no rehearsal.
    */
   void setRehearsal(bool is_rehearsal) noexcept;
 
-  /** @param[in] state, contacts of the same tick. ModelState::exercise is not looked at. */
+  /** Judges one tick. @param[in] state, contacts, broken Of the same tick; ModelState::exercise is not used. */
   void tick(const ModelState& state, const ContactList& contacts, BrokenOff broken) noexcept;
 
-  /** At the end of the last tick. */
+  /** State after the last tick. */
   const ExerciseState& state() const noexcept;
 
-  /** Of the last tick: step, 0 until the timer runs, and distances; `tool_changes` is left 0. Distances are infinite
-   *  without an attempt, that of the target also after its end. The target is what the running steps wait for: peg,
-   *  point, region, place on a wire, or else their object. */
+  /** Inputs of hazard triggers after the last tick. The step is 0 until the timer runs; `tool_changes` stays 0. Both
+   *  distances are infinite before the first attempt and during a replay, and the target's distance after an attempt.
+   * Targets are those of the current steps: peg, point, region, place on a wire, or else the track's object. */
   FaultSignals signals() const noexcept;
 
   static constexpr std::size_t kMaxEvents = 16;
-  /** Events of the last tick, at most kMaxEvents; the last place is the attempt's end. */
+  /** Events of the last tick. The last of kMaxEvents is reserved for the attempt's end. */
   std::size_t eventCount() const noexcept;
   const ExerciseEvent& event(std::size_t i) const noexcept;
-  /** Events that found no room in their tick, of all ticks. */
+  /** Events beyond kMaxEvents per tick, of all ticks. */
   std::uint64_t lostEvents() const noexcept;
 
  private:

@@ -1,6 +1,6 @@
-// Prints how the error of the nominal model falls with the step, beside that of plain ODE: bare links (no rotors, no
-// friction), gravity, 0.2 s, the worst joint of both arms. Columns: family, scheme, step_ms, error (of the range
-// moved, or of 0.05 rad, 2 mm).
+// Prints how the errors of the nominal model and of plain ODE fall with the step. Bare links (no rotors, no friction),
+// gravity, 0.2 s, the worst joint of both arms. Columns: family, scheme, step_ms, error (relative to the range moved,
+// or to 0.05 rad, 2 mm).
 
 #include <algorithm>
 #include <cstdio>
@@ -14,7 +14,7 @@ using namespace raven2_trainer;
 using namespace raven2_trainer::reference;
 
 constexpr std::uint64_t kSeed = 1;
-constexpr std::size_t kTicks = 200;  // later plain ODE is far off, and its error says nothing about its order
+constexpr std::size_t kTicks = 200;  // later, plain ODE is so far off that its error says nothing about its order
 const Terms kBare{true, false, false};
 
 double worst(Family family, bool plain, int sub_steps) {

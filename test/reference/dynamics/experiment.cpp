@@ -19,11 +19,11 @@ constexpr std::size_t kTicks = 1000;
 constexpr std::uint64_t kAttempts = 200;
 constexpr double kLeastShare = 0.1;
 constexpr int kReferenceSteps = 20;  // a tick: 0.05 ms
-constexpr int kCoarseSteps = 5;      // to see whether a sequence stays within the limits
+constexpr int kCoarseSteps = 5;      // to check whether a sequence stays within the limits
 constexpr double kWithin = 0.02;     // share of a joint's limits that is kept free
 
-// Of the robot's friction, for links without rotors: all of it would stop a jaw of 8e-9 kg m2 within 0.2 us, which the
-// explicit reference cannot follow.
+// Share of the robot's friction, for links without rotors. The whole friction would stop a jaw of 8e-9 kg m2 within
+// 0.2 us, which the explicit reference cannot follow.
 constexpr double kBareFriction = 5e-5;
 
 using Matrix = Eigen::Matrix<double, 7, 7>;
@@ -38,7 +38,7 @@ JointArray toJoints(const Vector& values) {
   return result;
 }
 
-/** Columns by unit torques; the accelerations without torque in `free`. */
+/** One column for each joint's unit torque. @param[out] free accelerations without torque. */
 Matrix inverseMass(const ReferenceChain& chain, const State& state, Vector* free) {
   *free = chain.acceleration(state, Vector::Zero(7));
   Matrix inverse;
@@ -89,13 +89,13 @@ struct Goal {
   Vector q, dq, ddq;
 };
 
-/** The reference, and how many steps it takes a tick. */
+/** The reference, and its number of steps in a tick. */
 struct Stepper {
   const ReferenceChain& chain;
   int steps;
 };
 
-/** Lets `wanted(tick, state)` choose the accelerations; joints from `free_from` on get no torque. */
+/** Computes torques for the accelerations `wanted(tick, state)`. Joints from `free_from` on get no torque. */
 template <typename Wanted>
 Sequence lead(Arm arm, const Stepper& stepper, State start, Eigen::Index free_from, Wanted wanted) {
   Sequence result;
@@ -165,7 +165,7 @@ Sequence swing(Arm arm, const Stepper& stepper, double share, Random* random) {
   });
 }
 
-/** Accelerations that jump each 50 ms on top of sines: no feedback, torques for what all joints do together. */
+/** Accelerations that jump each 50 ms on top of sines. Without feedback; the torques are for all joints together. */
 Sequence forced(Arm arm, const Stepper& stepper, double share, Random* random) {
   const Range r = range(arm);
   const State start{r.middle, Vector::Zero(7)};
@@ -251,7 +251,7 @@ ModelConfig modelConfig(const Terms& terms, int sub_steps) {
 ReferenceChain makeReference(Arm arm, const Terms& terms) {
   const ModelConfig config = modelConfig(terms, 1);
   const auto& names = kinematics::urdfJointNames(arm);
-  // What dry friction holds creeps, in the model too: src/physics/arm_bodies.cpp says why.
+  // A joint held by dry friction creeps, in the model too; src/physics/arm_bodies.cpp gives the reason.
   Vector creep = Vector::Constant(7, 1e-4);
   creep[kInsertion] = 1e-5;
   const Drive drive{config.gravity, toVector(config.rotor_inertia), toVector(config.viscous_friction),
@@ -277,8 +277,8 @@ State upperLimits(Arm arm) {
   return state;
 }
 
-/** What reaches a stop is made again, smaller and from another start. All but the first are tried with coarse steps
- *  first, unless friction on bare links makes these unstable. */
+/** If a sequence reaches a stop, makes a smaller one from another start. Tries all but the first with coarse steps
+ *  beforehand, unless friction on bare links makes coarse steps unstable. */
 Sequence makeSequence(Arm arm, const Terms& terms, Family family, std::uint64_t seed) {
   const ReferenceChain chain = makeReference(arm, terms);
   const bool takes_half = terms.rotors && !raven2_trainer::testing::isFull();

@@ -14,7 +14,7 @@
 #include "reference/dynamics/plain_ode_arm.h"
 #include "support/effort.h"
 
-// The nominal model against the reference chain: open loop, in closed loop, over the step, and over a long time.
+// Compares the nominal model with the reference chain: in open loop, in closed loop, over the step, over a long time.
 
 namespace raven2_trainer::reference {
 namespace {
@@ -35,8 +35,8 @@ TEST_P(OpenLoop, EveryJointFollowsTheReferenceForASecond) {
       RecordProperty(std::string("worst_ppm_") + name(arm) + std::to_string(seed),
                      std::to_string(1e6 * errors.maxCoeff()));
       for (Eigen::Index j = 0; j < 7; ++j) {
-        // Demanded: 0.5 %. Bare links in violent motion part exponentially from any difference; where a joint starts or
-        // stops, dry friction changes within a step; all others keep 1e-4.
+        // Demanded: 0.5 %. In violent motion of bare links any difference grows exponentially. Dry friction changes
+        // within a step where a joint starts or stops. All other cases keep 1e-4.
         EXPECT_LT(errors[j], terms.rotors && !terms.dry ? 1e-4 : 2.5e-3)
             << name(arm) << " joint " << j << " seed " << seed;
       }
@@ -57,7 +57,7 @@ INSTANTIATE_TEST_SUITE_P(AllTerms,
                          openLoopName);
 
 TEST(Step, HalvingItDividesTheErrorByTwelveOrMore) {
-  // Bare links, 0.2 s: later plain ODE is far off, and its error says nothing about its order.
+  // Bare links, 0.2 s: later, plain ODE is so far off that its error says nothing about its order.
   const Terms bare{true, false, false, false};
   for (const Arm arm : kArms) {
     const Sequence sequence = firstPart(makeSequence(arm, bare, Family::kTracked, 1), 200);
@@ -87,7 +87,7 @@ JointArray toJoints(const Vector& values) {
   return result;
 }
 
-/** Strokes as of a hand, through 60 % of every joint's range (robot joint coordinates). */
+/** Strokes like a hand's, through 60 % of every joint's range (robot joint coordinates). */
 class Strokes {
  public:
   explicit Strokes(std::uint64_t seed) {
@@ -167,15 +167,15 @@ TEST(ClosedLoop, TheTipStaysWithinAHundredthOfAMillimetre) {
       std::printf(" %.2g", worst_joint[j]);
     std::printf(" rad, m\n");
     RecordProperty(std::string("tip_rms_nm_") + name(arm), std::to_string(1e9 * rms));
-    EXPECT_GT(travel, 0.3) << "the arm must really move";
+    EXPECT_GT(travel, 0.3) << "the arm hardly moves: the test shows nothing";
     EXPECT_LT(rms, 1e-5);  // demanded: 0.1 mm
     EXPECT_LT(worst, 1e-4);
   }
 }
 
 TEST(Drift, NoneInHardMotion) {
-  // GIVEN an arm without friction led through its range three times as fast as above: after a minute its energy is
-  // still what the torques have done to it. (Hinges cannot open: the bodies are put on the chain before every step.)
+  // GIVEN an arm without friction that tracks strokes three times as fast as above: after a minute its energy still
+  // equals the work of the torques. (Hinges cannot open: the bodies are put on the chain before every step.)
   const Terms terms{true, false, true, false};
   const Arm arm = Arm::kGold;
   const ReferenceChain chain = makeReference(arm, terms);
@@ -216,7 +216,8 @@ TEST(Drift, NoneInHardMotion) {
 }
 
 TEST(OdesTraps, TheSliderRateOfOdeIsWrongOnATurningParent) {
-  // Why the model computes it from the bodies: were ODE's own right, this test would fail and the code could go.
+  // ODE's rate is wrong, so the model computes the rate from the bodies. If ODE corrects it, this test fails, and the
+  // model's code can go.
   const Vector middle = 0.5 * (lowerLimits(Arm::kGold).q + upperLimits(Arm::kGold).q);
   State start{middle, Vector::Zero(7)};
   start.dq << 1.0, -1.2, 0.05, 0.5, 0.1, 0.0, 0.0;
@@ -251,14 +252,14 @@ std::vector<double> run(bool disturbed) {
 }
 
 TEST(OdesTraps, NeitherTheGlobalSeedNorOtherWorldsChangeABit) {
-  // arms that fall into the scene, contacts and a free ring included
+  // the arms fall into the scene, with contacts and a free ring
   physics::initialiseOde();
   EXPECT_EQ(run(false), run(true));
 }
 
 TEST(OdesTraps, StrongFrictionOnBareLinksNeitherRingsNorBreaks) {
   // GIVEN the robot's friction on links without rotors, where b h / I is some thousands for the jaws
-  // THEN within some ticks each tool joint moves at torque over friction, without swinging about it
+  // THEN within some ticks each tool joint moves at the rate torque / friction, without oscillation
   ModelConfig config = modelConfig(Terms{}, packagedSubSteps());
   config.rotor_inertia = JointArray{};
   config.gravity = 0.0;

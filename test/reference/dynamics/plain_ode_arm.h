@@ -9,8 +9,8 @@
 namespace raven2_trainer::reference {
 
 /**
- * One arm as one would first write it with ODE: bodies, hinges, a slider, dWorldStep, nothing else (no rotors, no
- * friction). It drifts, it is of first order, and it is what the nominal model is compared with.
+ * One arm in the simplest form with ODE: bodies, hinges, a slider, dWorldStep, nothing else (no rotors, no friction).
+ * It drifts and is of first order. The nominal model is compared with it.
  */
 class PlainOdeArm {
  public:
@@ -22,7 +22,7 @@ class PlainOdeArm {
   void step(const Vector& tau, double h);
   State state() const;
 
-  /** What ODE says of the insertion joint, and what the bodies say. [m/s] */
+  /** [m/s] Rate of the insertion joint, from ODE's joint and from the bodies. */
   double insertionRateOfOde() const;
   double insertionRateOfBodies() const { return state().dq[kInsertion]; }
 
@@ -32,7 +32,7 @@ class PlainOdeArm {
     dJointID joint{nullptr};
     dBodyID parent{nullptr};
     bool slides{};
-    double offset{};  // ODE counts from where the joint was made
+    double offset{};  // ODE measures from the position at which the joint was created
   };
 
   dWorldID world_;
@@ -40,7 +40,7 @@ class PlainOdeArm {
   std::vector<Part> parts_;
 };
 
-/** Like runModel(), each tick in so many steps of ODE. */
+/** Like runModel(), with so many steps of ODE in a tick. */
 Trajectory runPlainOde(Arm arm, double gravity, const State& start, const Torques& torques, int sub_steps);
 
 }  // namespace raven2_trainer::reference

@@ -9,29 +9,29 @@
 
 namespace raven2_trainer::reference {
 
-/** One number a joint, in the order of the names given to ReferenceChain; URDF coordinates [rad; m]. */
+/** One number for each joint, in the order of the names given to ReferenceChain; URDF coordinates [rad; m]. */
 using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, Eigen::ColMajor, 7, 1>;
 
 struct State {
   Vector q, dq;
 };
 
-/** What the joints feel besides the links' inertia. */
+/** The torques and inertias that act on the joints in addition to the links' inertia. */
 struct Drive {
   double gravity{9.81};  ///< [m/s2] along -z of the root
   Vector rotor;          ///< [kg m2; kg]
   Vector viscous;        ///< [Nms/rad; Ns/m]
-  Vector coulomb;        ///< [Nm; N] reached at the rate `creep`, proportional below; may be empty: none
+  Vector coulomb;        ///< [Nm; N] reached at the rate `creep`, proportional below; empty: zero
   Vector creep;          ///< [rad/s; m/s] above 0
 };
 
 /**
- * Dynamics of a serial or branching chain of at most seven joints in minimal coordinates: the articulated-body
- * algorithm in link coordinates (Featherstone, Rigid Body Dynamics Algorithms, 2008, table 7.1), straight from the
- * links of a Description, integrated by the classic Runge-Kutta method of fourth order.
+ * Dynamics of a serial or branching chain of at most seven joints in minimal coordinates. It uses the articulated-body
+ * algorithm in link coordinates (Featherstone, Rigid Body Dynamics Algorithms, 2008, table 7.1) on the links of a
+ * Description, and integrates by the classic Runge-Kutta method of fourth order.
  *
  * It shares no code and no formulation with the nominal model (maximal coordinates, ODE) or with the emulated robot
- * (mass matrix and Newton-Euler in W): what they are compared with. For tests; not real-time safe.
+ * (mass matrix and Newton-Euler in W), which are compared with it. For tests; not real-time safe.
  */
 class ReferenceChain {
  public:
@@ -43,7 +43,7 @@ class ReferenceChain {
   /** Joint accelerations under the joint torques `tau` [Nm; N]. */
   Vector acceleration(const State& state, const Vector& tau) const;
 
-  /** Moves `state` on by `duration` [s] under constant torques, in `steps` equal Runge-Kutta steps. */
+  /** Advances `state` by `duration` [s] under constant torques, in `steps` equal Runge-Kutta steps. */
   void advance(const Vector& tau, double duration, int steps, State* state) const;
 
   /** [J] kinetic (rotors included) plus potential. */

@@ -9,7 +9,7 @@
 #include "raven2_trainer/core/random.h"
 #include "reference/dynamics/experiment.h"
 
-// The reference itself, against closed forms and against the energy.
+// Checks the reference itself against closed forms and against the energy.
 
 namespace raven2_trainer::reference {
 namespace {
@@ -104,7 +104,7 @@ TEST(ReferenceChain, BothArmsKeepTheirEnergyWhenLetGo) {
       const double before = chain.energy(state);
       const Vector start = state.q;
       chain.advance(Vector::Zero(7), 0.5, 10000, &state);
-      EXPECT_GT((state.q - start).norm(), 0.1) << "it must move for this to mean anything";
+      EXPECT_GT((state.q - start).norm(), 0.1) << "the chain hardly moves: the test shows nothing";
       EXPECT_NEAR(chain.energy(state), before, 1e-8) << name(arm) << " rotors " << rotors;
     }
   }

@@ -1,5 +1,5 @@
-// The kinematics against an independent chain and against themselves, over many seeded configurations of both arms and
-// all tools.
+// Compares the kinematics with an independent chain, and the inverse with the forward kinematics, over many seeded
+// configurations of both arms and all tools.
 
 #include <gtest/gtest.h>
 
@@ -95,8 +95,8 @@ double rotationError(const Pose& a, const Pose& b) {
   return (a.R - b.R).cwiseAbs().maxCoeff();
 }
 
-/** [m] Remote centre to jaw axis: with the insertion, what settles how well joints follow from the pose. Independent of
- *  the inverse: of the triangle remote centre, wrist point, tip. */
+/** [m] Remote centre to jaw axis. This distance and the insertion decide how well the pose determines the joints. It
+ *  comes from the triangle remote centre, wrist point, tip, independently of the inverse. */
 double jawAxisDistance(const ArmGeometry& g, const JointArray& q) {
   return std::abs(g.lw - (q[kInsertion] + g.d4) * std::cos(q[kWrist]));
 }
@@ -117,7 +117,7 @@ TEST(KinematicsReference, ForwardIsTheProductOfExponentials) {
   EXPECT_LT(worst, 1e-12);
 }
 
-/** What became of the configurations of an arm. */
+/** Counts of the inverse's results for the configurations of an arm, and the largest errors. */
 struct Tally {
   int ok{}, singular_wrist{}, singular_rcm{}, other{};
   int compared{};  // joints compared: away from singularities
@@ -135,7 +135,7 @@ void roundTrip(const ArmGeometry& g, Arm arm, const JointArray& q, Tally* tally)
   const Pose back = forward(g, arm, result.q);
   tally->position = std::max(tally->position, positionError(back, X));
   tally->rotation = std::max(tally->rotation, rotationError(back, X));
-  if (jawAxisDistance(g, q) < 1e-4) return;  // margin: ten times what is flagged
+  if (jawAxisDistance(g, q) < 1e-4) return;  // margin: ten times the distance at which kSingularWrist is set
   ++tally->compared;
   for (std::size_t j = 0; j < kJointCount; ++j)
     tally->joints = std::max(tally->joints, std::abs(result.q[j] - q[j]));
@@ -163,7 +163,7 @@ TEST(KinematicsReference, InverseUndoesForwardOverTheWholeRangeOfBothArms) {
     EXPECT_EQ(tally.singular_rcm, near_rcm);
     EXPECT_NEAR(static_cast<double>(near_rcm) / kConfigurations, 2.0 * 0.013 / 0.33, 0.005);
     EXPECT_GT(tally.compared, kConfigurations * 9 / 10);
-    // The flag is for within 10 um of a surface in joint space, which random configurations seldom hit.
+    // The flag is set within 10 um of a surface in joint space, which random configurations seldom hit.
     EXPECT_GT(tally.singular_wrist, 0);
     EXPECT_LT(tally.singular_wrist, kConfigurations / 1000);
   }
@@ -186,7 +186,7 @@ TEST(KinematicsReference, EverySolutionGivesThePoseBack) {
           if (!s.valid) continue;
           const double elbow = std::abs(std::sin(s.q[kElbow]));
           const Pose back = forward(g, arm, s.q);
-          // Straight or folded elbow: the robot rounds a cosine up to 1e-5 over 1, so such a pose is met to that only.
+          // Straight or folded elbow: the robot accepts a cosine up to 1e-5 over 1, which limits the pose's accuracy.
           if (elbow > 1e-6) worst = std::max({worst, positionError(back, X), rotationError(back, X)});
           EXPECT_LT(rotationError(back, X), 1e-4);
           EXPECT_NEAR(jawOpening(s.q), jawOpening(q), 1e-12);
@@ -198,7 +198,7 @@ TEST(KinematicsReference, EverySolutionGivesThePoseBack) {
         }
       }
       EXPECT_LT(worst, 1e-9);
-      EXPECT_EQ(own, poses) << "the configuration itself is one of the eight, and once";
+      EXPECT_EQ(own, poses) << "the configuration itself is exactly one of the eight solutions";
       EXPECT_GT(valid, 2 * poses);
     }
   }
@@ -212,7 +212,7 @@ JointArray singularJoints(const ArmGeometry& g, Random* random) {
   return q;
 }
 
-/** The robot's measure of how far apart two configurations are (raven2.md 2.5), rolls being the same. */
+/** The robot's measure of the distance between two configurations of equal roll (raven2.md 2.5). */
 double apart(const JointArray& a, const JointArray& b, double turned) {
   double sum = std::pow(std::remainder(jawMidline(a) - turned - jawMidline(b), 2 * kPi), 2);
   for (std::size_t j : {kShoulder, kElbow, kInsertion, kWrist})
@@ -220,8 +220,8 @@ double apart(const JointArray& a, const JointArray& b, double turned) {
   return sum;
 }
 
-/** Whether any way to reach a singular pose that the robot would accept has the current roll: walks the family of
- * solutions by turning the tool about the jaw axis, which on that surface moves nothing else, and looks for a change of
+/** Whether a solution for a singular pose that the robot would accept has the current roll. Walks the family of
+ * solutions by rotating the tool about the jaw axis, which moves nothing else on that surface. Looks for a change of
  * sign. */
 bool canKeepRoll(const ArmGeometry& g, Arm arm, const Pose& X, const JointArray& current) {
   const double roll = current[kToolRotation];
@@ -272,8 +272,8 @@ TEST(KinematicsReference, SingularWristReachesThePoseAndKeepsTheRoll) {
 }
 
 TEST(KinematicsReference, OnlyThatSurfaceIsSingularNotAStraightOrSquareWrist) {
-  // The 6x6 Jacobian (jaw line as sixth joint) loses rank where the status says so, and keeps it at s5 = 0 and c5 = 0,
-  // where the robot's formulas divide by zero.
+  // The 6x6 Jacobian (jaw line as sixth joint) loses rank where the status is kSingularWrist. It keeps its rank at
+  // s5 = 0 and c5 = 0, where the robot's formulas divide by zero.
   const auto smallest = [](const ArmGeometry& g, Arm arm, const JointArray& q) {
     const Jacobian J = jacobian(g, arm, q);
     Eigen::Matrix<double, 6, 6> square;
@@ -330,7 +330,7 @@ TEST(KinematicsReference, NothingIsAllocated) {
   const ArmGeometry& g = arms().geometry;
   Random random(2);
   // clang leaves out new-expressions whose memory is not used; calls of the operators stay
-  ASSERT_GT(testing::allocatorCalls([] { ::operator delete(::operator new(100)); }), 0) << "the counter counts";
+  ASSERT_GT(testing::allocatorCalls([] { ::operator delete(::operator new(100)); }), 0) << "the counter does not count";
   double sum = 0.0;
   EXPECT_EQ(testing::allocatorCalls([&] {
               for (int i = 0; i < 1000; ++i) {

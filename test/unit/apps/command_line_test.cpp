@@ -87,7 +87,7 @@ int run(std::vector<std::string> words, const std::function<int()>& body) {
 /** doc/interfaces.md. */
 TEST(RunProgram, TheStatusSaysHowItEnded) {
   EXPECT_EQ(run({}, [] { return 0; }), 0);
-  EXPECT_EQ(run({"--value", "0.5"}, [] { return 7; }), 7) << "the program's own";
+  EXPECT_EQ(run({"--value", "0.5"}, [] { return 7; }), 7) << "the program's exit code";
   EXPECT_EQ(run({}, []() -> int { throw ConfigException("no"); }), 1);
   EXPECT_EQ(run({}, []() -> int { throw std::runtime_error("no"); }), 1);
   EXPECT_EQ(run({}, []() -> int { throw CsvException("stdin:1: no"); }), 2);

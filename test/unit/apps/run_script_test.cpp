@@ -24,7 +24,7 @@ TEST(RunScript, WhatIsNowhereIsToldWithBothPlaces) {
 TEST(RunScript, TheExitStatusIsTheScripts) {
   EXPECT_EQ(runScript("plot_paths", {"--help"}), 0);
   EXPECT_EQ(runScript("plot_paths", {"/no such folder"}), 1);
-  EXPECT_EQ(runScript("plot_paths", {}), 2) << "bad arguments, as Python's argparse says it";
+  EXPECT_EQ(runScript("plot_paths", {}), 2) << "argparse exits with 2 on bad arguments";
 }
 
 }  // namespace

@@ -15,7 +15,7 @@ TEST(TimeLeft, IsWhatTheRestTakesAtTheSameSpeed) {
 }
 
 TEST(TimeLeft, WhatWasThereBeforeCountsNeitherAsDoneNorAsLeft) {
-  // Nine tenths were there; half of the last tenth took 30 s.
+  // Nine tenths were done before the start. Half of the last tenth took 30 s.
   const double share = 0.95, found = 0.9;
   EXPECT_EQ(timeLeft(30.0, share - found, 1.0 - share).substr(0, 2), "30");
 }

@@ -73,7 +73,7 @@ TEST(WindowPixels, ASmallerWindowTakesTheNearestPixels) {
   EXPECT_EQ(shown(picture, 4, 4, 2, 2), (Pixels{0, 2, 8, 10}));
 }
 
-/** Whatever the shapes: within the window, and as large as it allows in one direction. */
+/** Pictures of all shapes are within the window, and as large as it allows in one direction. */
 TEST(WindowPixels, EveryFitIsWithinTheWindowAndTouchesIt) {
   for (const int picture_width : {1, 2, 3, 100, 640}) {
     for (const int picture_height : {1, 2, 7, 360}) {

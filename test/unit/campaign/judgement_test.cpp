@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** Three runs of which jumps were published, and three of which nothing was. */
+/** Three runs with published jumps, and three without published results. */
 Campaign sixRuns() {
   const auto scenario = [](const std::string& name, const std::string& published) {
     return "  - scenario: " + name + "\n    injection: 11\n    number: 12\n    observed: jump\n    published: [" +
@@ -87,7 +87,7 @@ TEST_F(Judging, AScenarioOfWhichEveryRunIsMaskedDoesNothingUnlessThatIsAllThatIs
   EXPECT_FALSE(judged(wide).isGood());
   EXPECT_TRUE(judged({{"jumps/pedal_down", {{"masked"}, "a weak motor"}}}).isGood());
   rows_.erase(6);
-  EXPECT_TRUE(judged(wide).isGood()) << "a part of a campaign may hold the masked ones alone";
+  EXPECT_TRUE(judged(wide).isGood()) << "a part of a campaign may contain only masked runs";
 }
 
 TEST_F(Judging, AScenarioOfWhichAnyOneRunIsMaskedDoesSomething) {
@@ -109,7 +109,7 @@ TEST_F(Judging, AFaultThatNeverActedIsWrongWhateverCameOut) {
   EXPECT_EQ(judged().never_acted, std::vector<std::uint32_t>{4});
   EXPECT_EQ(inWords(judged()), "1 runs in which the fault never acted: 4\n");
   set(4, {Ending::kDied, {}});
-  EXPECT_TRUE(judged().never_acted.empty()) << "a process that died told nothing of its fault";
+  EXPECT_TRUE(judged().never_acted.empty()) << "a process that died reported nothing of its fault";
 }
 
 TEST_F(Judging, ARunWithoutAnOutcomeIsWrongWhateverWasPublished) {
@@ -124,7 +124,7 @@ TEST_F(Judging, OnlyTheFirstRunsAreNamed) {
   EXPECT_EQ(inWords(judged()), "6 runs without an outcome: 1 2 3 4 5 ...\n");
 }
 
-/** A campaign that is resumed may have been explained anew, or no longer. */
+/** Before a campaign is resumed, its explanations may have been changed or removed. */
 TEST(KeepExplanations, ThoseOfTheNewestStartAreKept) {
   const fs::path folder = fs::temp_directory_path() / ("raven2_kept_" + std::to_string(getpid()));
   fs::create_directories(folder / "out");

@@ -136,7 +136,7 @@ TEST(Classify, ARobotThatHomesAndNeverStartsDidNotMove) {
   const Figures stuck = homed(RunLevel::kInit, RunLevel::kInit);
   EXPECT_EQ(stuck.started, 0);
   EXPECT_EQ(stuck.golden_started, 1);
-  EXPECT_EQ(outcome(stuck), Outcome::kNoMotion) << "though its tips homed, 4 mm each";
+  EXPECT_EQ(outcome(stuck), Outcome::kNoMotion) << "although its tips moved 4 mm each while homing";
   EXPECT_EQ(outcome(homed(RunLevel::kPedalUp, RunLevel::kPedalDown)), Outcome::kNoMotion) << "the PLC has the brakes";
   EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalUp)), Outcome::kNoMotion);
   EXPECT_EQ(outcome(homed(RunLevel::kPedalDown, RunLevel::kPedalDown)), Outcome::kSlowDeviation) << "it started";
@@ -191,7 +191,7 @@ TEST(Classify, AnArmThatHadLittleToDoMayStandToo) {
   Comparison comparison(kLimits);
   for (int tick = 0; tick < kTicks; ++tick) {
     Sample golden = goldenAt(tick), faulty = goldenAt(0);
-    golden.p_BT[1] = goldenAt(tick / 10).p_BT[1];  // 0.8 mm: moved would be 3
+    golden.p_BT[1] = goldenAt(tick / 10).p_BT[1];  // 0.8 mm, less than the 3 mm of `moved`
     faulty.faulted = 1;
     comparison.add(golden, faulty);
   }
@@ -216,7 +216,7 @@ TEST(Classify, EitherStopIsAnEStop) {
   const Figures plc = compare([](int since, Sample* s) { s->plc = since >= 50 ? RunLevel::kEStop : s->plc; });
   EXPECT_EQ(plc.plc_stop, 50);
   EXPECT_EQ(plc.software_stop, kNever);
-  EXPECT_EQ(plc.reported, kNever) << "the control program still believes in PEDAL_DN";
+  EXPECT_EQ(plc.reported, kNever) << "the control program still assumes PEDAL_DN";
   EXPECT_EQ(classify(Ending::kComplete, plc, kLimits), Outcome::kEStop);
 }
 
@@ -225,7 +225,7 @@ TEST(Comparison, AStopIsReportedWhenTheProgramKnowsIt) {
     s->software = since >= 53 || since == 10 ? RunLevel::kEStop : s->software;
     s->plc = since >= 50 ? RunLevel::kEStop : s->plc;
   });
-  EXPECT_EQ(figures.reported, 53) << "what it believed before the stop is no report";
+  EXPECT_EQ(figures.reported, 53) << "an E-STOP that the program assumed before the stop is no report";
 }
 
 TEST(Classify, APlcThatWasNeverStartedIsNoStop) {
@@ -243,7 +243,7 @@ TEST(Classify, APlcThatWasNeverStartedIsNoStop) {
 TEST(Classify, AProgramThatEndedIsACrashAndOneThatStandsAHang) {
   const auto program = [](ProgramState state) {
     return compare([state](int, Sample* s) {
-      s->faulted = 0;  // it tells no more
+      s->faulted = 0;  // the program reports no fault any more
       s->program = state;
       s->plc = RunLevel::kEStop;
       s->p_BT[0][1] += 0.1;
@@ -291,14 +291,13 @@ TEST(Comparison, AForceCountsWhereTheGoldenRunHasNone) {
 
 // ---- either arm --------------------------------------------------------------------------------------------------
 
-/** What holds of one tip holds of the other, along every axis and in both directions. */
+/** Both tips are judged alike, along every axis and in both directions. */
 class EitherTip : public ::testing::TestWithParam<std::size_t> {
  protected:
   std::size_t arm() const { return GetParam(); }
   std::size_t other() const { return 1 - GetParam(); }
 
-  /** A golden run in which each tip goes some part of the way that goldenAt() goes; `change` makes it the faulty one.
-   */
+  /** Each tip of the golden run moves some part of goldenAt()'s motion; `change` makes it the faulty run. */
   Outcome outcomeWith(double own_part, double others_part, const Change& change) const {
     Comparison comparison(kLimits);
     for (int tick = 0; tick < kTicks; ++tick) {
@@ -352,7 +351,7 @@ TEST_P(EitherTip, ThatRunsAwayInsteadOfStartingMoved) {
 TEST_P(EitherTip, ThatStaysIsNoMotionIfItsOwnGoldenOneWentFar) {
   const auto stays = [&](int, Sample* s) { s->p_BT[arm()] = goldenAt(0).p_BT[arm()]; };
   EXPECT_EQ(outcomeWith(1.0, 0.0, stays), Outcome::kNoMotion) << "8 mm, the other one rests";
-  EXPECT_EQ(outcomeWith(0.3, 1.0, stays), Outcome::kSlowDeviation) << "2.4 mm: moved is 3, whatever the other did";
+  EXPECT_EQ(outcomeWith(0.3, 1.0, stays), Outcome::kSlowDeviation) << "2.4 mm is less than the 3 of `moved`";
 }
 
 TEST_P(EitherTip, ThatStaysIsNoMotionOnlyWhileTheOtherIsWithItsGoldenOne) {
@@ -392,7 +391,7 @@ TEST(Comparison, AProgramThatEndedReportsNoStop) {
       s->program = state;
     });
     EXPECT_EQ(figures.plc_stop, 50);
-    EXPECT_EQ(figures.reported, kNever) << "nobody is left who could know it";
+    EXPECT_EQ(figures.reported, kNever) << "no program is left to report the stop";
   }
 }
 

@@ -83,7 +83,7 @@ TEST_F(Pool, ABodyThatWillNotHearOfItsBudgetIsOutOfItToo) {
   });
   pool_.drain();
   EXPECT_EQ(ends_.at(1).ending, Ending::kBudget);
-  EXPECT_EQ(ends_.at(1).signal, SIGKILL) << "the kernel's, which is not one from outside";
+  EXPECT_EQ(ends_.at(1).signal, SIGKILL) << "from the kernel, not from another process";
 }
 
 TEST_F(Pool, ABodyThatStopsOrWaitsForEverHasNoEnd) {
@@ -104,13 +104,13 @@ TEST_F(Pool, ABodyThatStopsOrWaitsForEverHasNoEnd) {
 }
 
 TEST_F(Pool, ABodyThatShutsOrKeepsItsPipeHoldsNobodyUp) {
-  hasty_.start(1, [](std::uint8_t*) {  // all that it inherited, its own end among them
+  hasty_.start(1, [](std::uint8_t*) {  // closes all inherited files, its end of the pipe among them
     for (int file = 3; file < 64; ++file)
       ::close(file);
     ::pause();
   });
   pool_.start(2, [this](std::uint8_t* result) {
-    if (::fork() == 0) {  // a child of the child's, which outlives it with the pipe open
+    if (::fork() == 0) {  // a grandchild that outlives the child and keeps the pipe open
       ::sleep(5);
       ::_exit(0);
     }
@@ -123,7 +123,7 @@ TEST_F(Pool, ABodyThatShutsOrKeepsItsPipeHoldsNobodyUp) {
   EXPECT_EQ(told(2), 2u);
 }
 
-#ifndef RAVEN2_HAS_SANITIZER  // a shadow cannot be limited
+#ifndef RAVEN2_HAS_SANITIZER  // a sanitizer's shadow memory cannot be limited
 TEST_F(Pool, ABodyThatEatsMemoryIsToldApartFromACrash) {
   ProcessPool frugal(3, {/*processor=*/60, /*wall=*/600, /*memory=*/std::size_t{64} << 20U}, sizeof(std::uint64_t),
                      keep_);
@@ -138,7 +138,7 @@ TEST_F(Pool, ABodyThatEatsMemoryIsToldApartFromACrash) {
   frugal.start(3, tell(3));
   frugal.drain();
   EXPECT_EQ(ends_.at(1).ending, Ending::kMemory);
-  EXPECT_EQ(ends_.at(2).ending, Ending::kMemory) << "also where an exception has no way out";
+  EXPECT_EQ(ends_.at(2).ending, Ending::kMemory) << "also if the function is noexcept";
   EXPECT_EQ(ends_.at(3).ending, Ending::kComplete);
 }
 #endif
@@ -170,10 +170,10 @@ TEST_F(Pool, OneChildMayBeWaitedFor) {
   pool_.start(7, tell(49));
   pool_.waitFor(7);
   EXPECT_EQ(told(7), 49u);
-  pool_.waitFor(8);  // there is none: nothing to wait for
+  pool_.waitFor(8);  // no child 8 was started: returns at once
 }
 
-/** In a process of its own: under ThreadSanitizer one that has ever had a second thread keeps one. */
+/** Runs in a separate process: under ThreadSanitizer, a process that ever had a second thread keeps one. */
 TEST_F(Pool, AProcessWithThreadsIsNotForked) {
   const auto start_beside_a_thread = [this] {
     std::atomic<bool> stop{false};

@@ -164,7 +164,7 @@ TEST_F(Results, WhatNeverCameIsAnEmptyCell) {
 
 TEST_F(Results, ARunThatNeverStartedSaysSo) {
   RunResult result;
-  EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "") << "nor did its golden one";
+  EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "") << "its golden run did not start either";
   result.figures.golden_started = 1;
   EXPECT_EQ(cell(row(campaign_, campaign_.runs[0], result), "started"), "0");
   result.figures.started = 1;
@@ -220,7 +220,7 @@ TEST_F(Results, AKilledCampaignGoesOnFromItsWholeRows) {
   EXPECT_EQ(slurp(at("killed") + "/outcomes.csv"), slurp(at("whole") + "/outcomes.csv"));
 }
 
-/** Each start but the first finds the torn row of the one before. */
+/** Each start except the first finds the torn row of the start before. */
 TEST_F(Results, WhatIsMadeBetweenTwoKillsIsThereInTheEnd) {
   for (std::size_t start = 0; start < 3; ++start) {
     {
@@ -271,7 +271,7 @@ TEST_F(Results, RowsThatSayNotWhatTheyAreOfAreRefused) {
                 std::string::npos)
           << file;
     }
-    EXPECT_FALSE(fs::exists(at("a") + "/campaign.json")) << "nor are they given one";
+    EXPECT_FALSE(fs::exists(at("a") + "/campaign.json")) << "the folder must not get a campaign.json";
     fs::remove_all(at("a"));
   }
 }
@@ -312,7 +312,7 @@ TEST_F(Results, ARunThatWasMadeAgainIsKeptThoughTheRestWasNot) {
   {
     PartialOutcomes outcomes({at("a")}, identity(), campaign_, true);
     EXPECT_EQ(outcomes.size(), 4u);
-    outcomes.add(1, rowOf(campaign_.runs[0]));  // and then it is killed
+    outcomes.add(1, rowOf(campaign_.runs[0]));  // and then the program is killed
   }
   PartialOutcomes outcomes({at("a")}, identity(), campaign_, true);
   EXPECT_TRUE(outcomes.has(1));
@@ -420,7 +420,7 @@ TEST_F(Results, EveryColumnHasItsOwnNumberInItsUnit) {
     EXPECT_EQ(cell(line, column), value) << column;
   figures.golden_motion = {0.003, 0.005};
   figures.program = ProgramState::kHung;
-  EXPECT_EQ(cell(row(campaign_, run, result), "golden_motion_mm"), "5.0000") << "of the livelier arm";
+  EXPECT_EQ(cell(row(campaign_, run, result), "golden_motion_mm"), "5.0000") << "of the arm that moved more";
   EXPECT_EQ(cell(row(campaign_, run, result), "program"), "hung");
   figures.program = ProgramState::kCrashed;
   EXPECT_EQ(cell(row(campaign_, run, result), "program"), "crashed");
@@ -433,7 +433,7 @@ TEST_F(Results, AnotherShardIsNotResumed) {
   EXPECT_EQ(messageOf([this] { PartialOutcomes({at("a")}, identity(1, 2), campaign_, true); }), "");
 }
 
-/** No file of this process grows beyond so many bytes. */
+/** Limits the size of all files that this process writes. */
 void limitFileSize(rlim_t bytes) {
   std::signal(SIGXFSZ, SIG_IGN);
   rlimit limit{};

@@ -82,7 +82,7 @@ const std::map<std::uint32_t, RunResult>& resultsOfOneJob() {
 
 using GoldenSamples = std::map<std::uint64_t, std::vector<Sample>>;  ///< of each motion seed, from power-on
 
-/** The same run made another way: with its fault armed from power-on, against a golden one tick by tick. */
+/** The same run without a fork: its fault is armed at power-on, and the golden run is simulated tick by tick. */
 class Unforked {
  public:
   Unforked(const Campaign& campaign, const CampaignRun& run)
@@ -161,7 +161,7 @@ TEST(MakeRuns, AForkedRunIsTheRunWithItsFaultArmedFromPowerOn) {
 
 TEST(MakeRuns, TheFirstFaultyTickIsTheOneNamed) {
   const Figures figures = resultsOfOneJob().at(1).figures;
-  EXPECT_EQ(figures.injected, 1) << "forked at the last tick before it";
+  EXPECT_EQ(figures.injected, 1) << "forked at the last tick before the fault";
 }
 
 TEST(MakeRuns, ARunThatIsKilledFromOutsideIsNoOutcome) {
@@ -178,7 +178,7 @@ TEST(MakeRuns, ARunThatIsKilledFromOutsideIsNoOutcome) {
                         2, killOthers),
                Exception);
   EXPECT_GE(results, 1U);
-  EXPECT_LT(results, campaign.runs.size()) << "others had ended before the first kill, but not all";
+  EXPECT_LT(results, campaign.runs.size()) << "some runs ended before the first kill, but not all";
 }
 
 TEST(MakeRuns, JobsAndPartsChangeNothing) {
@@ -247,18 +247,18 @@ class Sampled : public ::testing::Test {
     }
   }
 
-  /** The green hand's motion is added to: model and robot go on with it. */
+  /** A fault adds to the motion of the green hand; model and robot both follow it. */
   void expectTipsOfEachArm() {
     arm(FaultHost::kMaster, FaultVariable::kIncrement, FaultKind::kAdd, 100, Arm::kGreen, 1);
     ticks(200);
     const Sample now = sample();
     const RobotState robot = stack_->view().robot;
-    ASSERT_GT((toEigen(robot.arms[0].p_BT) - toEigen(robot.arms[1].p_BT)).norm(), 0.005) << "[m] not told apart";
-    for (const Arm each : kArms)  // true joints beside those that the encoders show
+    ASSERT_GT((toEigen(robot.arms[0].p_BT) - toEigen(robot.arms[1].p_BT)).norm(), 0.005) << "[m] arms too close";
+    for (const Arm each : kArms)  // from the true joints, and from those that the encoders show
       EXPECT_LT((toEigen(at(now.p_BT, each)) - toEigen(at(robot.arms, each).p_BT)).norm(), 0.002) << name(each);
   }
 
-  /** Only the green robot is deceived. */
+  /** The fault changes only the increments that the robot's green arm receives. */
   void expectForcesOfEachArm() {
     arm(FaultHost::kRelay, FaultVariable::kIncrement, FaultKind::kAdd, 100, Arm::kGreen, 0);
     ticks(200);

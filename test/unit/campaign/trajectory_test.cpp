@@ -32,7 +32,7 @@ TEST(Trajectory, WhatAForkWritesItsParentReads) {
   EXPECT_EQ(golden.at(1).p_BT[0][0], 2.0);
 }
 
-#ifndef RAVEN2_HAS_SANITIZER  // which reports the signal in its own way
+#ifndef RAVEN2_HAS_SANITIZER  // a sanitizer reports the signal itself
 TEST(Trajectory, ARunThatWritesIntoASealedOneDiesAndChangesNothing) {
   Trajectory golden(10);
   golden.add(sampleAt(1.0));
@@ -47,7 +47,7 @@ TEST(Trajectory, ARunThatWritesIntoASealedOneDiesAndChangesNothing) {
 }
 #endif
 
-/** What is found in 10 samples of a robot that is switched on and starts, from the sixth on changed. */
+/** First stop in 10 samples of a robot that is switched on and started; `change` applies from tick 6 on. */
 std::int64_t stopOf(const std::function<void(Sample*)>& change) {
   Trajectory golden(10);
   for (int tick = 0; tick < 10; ++tick) {
@@ -59,7 +59,7 @@ std::int64_t stopOf(const std::function<void(Sample*)>& change) {
 }
 
 TEST(Trajectory, AStopIsOneOfTheProgramOrOfThePlcThatHadStarted) {
-  EXPECT_EQ(stopOf([](Sample*) {}), kNever) << "before it is started the PLC is in E-STOP";
+  EXPECT_EQ(stopOf([](Sample*) {}), kNever) << "before the robot is started, the PLC is in E-STOP";
   EXPECT_EQ(stopOf([](Sample* s) { s->plc = RunLevel::kEStop; }), 6);
   EXPECT_EQ(stopOf([](Sample* s) { s->soft_estopped = 1; }), 6);
   EXPECT_EQ(stopOf([](Sample* s) { s->program = ProgramState::kHung; }), 6);

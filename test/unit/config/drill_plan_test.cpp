@@ -62,7 +62,7 @@ TEST(DrillPlan, ComesOnceOnTheExercisesTrigger) {
   EXPECT_LE(row.first_tick, static_cast<Tick>(1000 * (drill.delay + drill.jitter)));
   EXPECT_EQ(row.period_ticks, 0);
   EXPECT_EQ(row.count, 1);
-  EXPECT_EQ(row.value, library.faults[0].value) << "what it does is the library's";
+  EXPECT_EQ(row.value, library.faults[0].value) << "the fault's effect is that of the library";
   EXPECT_EQ(row.duration_ticks, library.faults[0].duration_ticks);
   EXPECT_EQ(row.id, library.faults[0].id);
   EXPECT_EQ(row.seed, library.faults[0].seed);
@@ -100,7 +100,7 @@ TEST(DrillPlan, EveryScenarioOfTheLibraryMakesASoundDrillAndKeepsItsOrder) {
   }
 }
 
-/** Rows that the library has 60 ms apart, the later one first, by chance and again and again. */
+/** The library's rows are 60 ms apart, the later one first; they start by chance and repeatedly. */
 TEST(DrillPlan, KeepsItsRowsApartAndComesForSureAndOnce) {
   TrainerConfig config = drilled("pick_hand_over_place", "own");
   Scenario& scenario = config.scenarios.at(faultId(config, config.drill) - 1);

@@ -21,8 +21,8 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "support/yaml_file.h"
 
-// Each packaged file says in a comment behind a key what its number may be: [unit] [low, high]. Both limits of every
-// number must hold, and a refusal must tell these limits. A key without limits fails the test.
+// Each packaged file states in a comment behind a key the range of its number: [unit] [low, high]. Both limits of
+// every number must hold, and an error message must state them. A key without limits fails the test.
 
 namespace raven2_trainer::config {
 namespace {
@@ -46,8 +46,8 @@ struct Documented {
   Limits limits;
 };
 
-/** Numbers whose line does not tell their limits: several keys in one line, or limits that another key sets (here with
- *  its packaged value). Above them in the file's text, or in doc/. */
+/** Numbers whose line does not state their limits: several keys in one line, or limits that another key sets (here with
+ *  its packaged value). The limits are stated above them in the file, or in doc/. */
 const std::vector<Documented> kElsewhere{
     {"arms/tools/.*/d4", {-1.0, 0.0}},
     {"arms/tools/.*/lw", {0.001, 0.1}},
@@ -93,11 +93,11 @@ const std::vector<Documented> kElsewhere{
     {"masters/.*/reading_closed", {-10.0, 10.0}},
     {"masters/.*/sticks", {0.0, 7.0}},
     {"masters/.*/gripper_input", {-1.0, 31.0}},
-    {"masters/.*/pedal/silent_after", {0.0, 60.0}},  // of a pedal; from 0 to 0.05 refused in words of its own
+    {"masters/.*/pedal/silent_after", {0.0, 60.0}},  // of a pedal; 0 to 0.05 is refused with a different message
     {"impairments/.*/pause_s", {0.0, 86400.0}},
 };
 
-/** Joints are read in a loop: the first and the last one, and of both arms one, stand for all. */
+/** Keys that are not checked: joints are read in a loop, so the first and the last one are enough, each of one arm. */
 const std::regex kAlike(
     "(axes|gains)/(elbow|insertion|tool_rotation|wrist|grasp1)/.*|gold/(elbow|insertion)/.*|"
     "green/(shoulder|elbow)/.*|training_levels/advanced/.*");
@@ -151,7 +151,7 @@ std::string text(double value) {
   return digits;
 }
 
-/** What is said of a file's text with a value put in the place of its own; empty: it is taken. */
+/** Loads a file's text with one value replaced. Returns the error message; empty: the text is accepted. */
 using Say = std::function<std::string(const std::string& content, const Override& put)>;
 
 class File {
@@ -165,7 +165,7 @@ class File {
       lines_.push_back(line);
   }
 
-  /** @param[in] only keys, as a regular expression. */
+  /** @param[in] only checks the keys that match this regular expression. */
   void check(const std::string& only = ".*") const {
     std::vector<Leaf> leaves;
     collect(YAML::Load(content_), "", &leaves);
@@ -180,7 +180,7 @@ class File {
   void checkLeaf(const Leaf& leaf) const {
     const std::optional<Limits> limits = limitsOf(name_, leaf, lines_.at(leaf.line));
     if (!limits) {
-      ADD_FAILURE() << name_ << ".yaml:" << leaf.line + 1 << ": no limits of " << leaf.path << " are told";
+      ADD_FAILURE() << name_ << ".yaml:" << leaf.line + 1 << ": no limits of " << leaf.path << " are stated";
       return;
     }
     const auto step = [](double bound) { return std::max(1e-9, 1e-4 * std::abs(bound)); };
@@ -231,7 +231,7 @@ Say by(void (*read)(Section&, Config*)) {
   };
 }
 
-/** Of what is read from a file alone. */
+/** For configuration that is always read from a file. */
 template <typename Load>
 Say byFile(Load load) {
   return [load](const std::string& content, const Override& put) {
@@ -274,7 +274,7 @@ TEST(Limits, OfEveryNumberOfMastersAndImpairmentsHold) {
   File("impairments/worst", byFile(loadImpairment)).check();
 }
 
-/** Numbers at their limits are taken: the limits belong to what is allowed. */
+/** Numbers at their limits are accepted: the ranges include both ends. */
 TEST(Limits, AreAllowedThemselves) {
   for (const double value : {-2.5, 0.0, 4.0}) {
     Section section = Section::fromText("x: " + text(value) + "\nwhole: " + text(value), "FILE");

@@ -33,7 +33,7 @@ class LoadConfig : public ::testing::Test {
 
   std::string root() const { return (folder_ / "trainer.yaml").string(); }
 
-  /** A folder's files are copied before a test changes any: until then it is a link, for there are many. */
+  /** A folder is a link until a test changes one of its files. Only then are its files copied, as there are many. */
   void own(const fs::path& folder) {
     if (!fs::is_symlink(folder)) return;
     const fs::path source = fs::read_symlink(folder);
@@ -180,7 +180,7 @@ TEST_F(LoadConfig, AValueOutOfRangeIsRefusedWithTheRange) {
 }
 
 TEST_F(LoadConfig, AForceEndsFiftyMillisecondsAfterTheLastStateAtTheLatest) {
-  // 50 ms less 4 ms of doubt, two ticks and the fall from 3.3 N at 140 N/s, 23.57 ms
+  // 50 ms less 4 ms of uncertainty, two ticks, and the fall from 3.3 N at 140 N/s, which takes 23.57 ms
   EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.02);
   replace("network.yaml", "stale_after: 0.02", "stale_after: 0.0204");
   EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.0204);
@@ -188,7 +188,7 @@ TEST_F(LoadConfig, AForceEndsFiftyMillisecondsAfterTheLastStateAtTheLatest) {
   EXPECT_TRUE(std::regex_search(message(),
                                 std::regex("network.yaml:10: stale_after is 0.05, expected \\[0.002, 0.0204[0-9]*\\]")))
       << message();
-  // a slower fall leaves less, a faster one more
+  // a slower fall leaves less time, a faster one more
   SetUp();
   replace("haptics.yaml", "max_slew: 140.0", "max_slew: 100.0");
   EXPECT_NE(message().find("stale_after is 0.02, expected [0.002, 0.011"), std::string::npos) << message();
@@ -196,7 +196,7 @@ TEST_F(LoadConfig, AForceEndsFiftyMillisecondsAfterTheLastStateAtTheLatest) {
   replace("haptics.yaml", "max_slew: 140.0", "max_slew: 10000");
   replace("network.yaml", "stale_after: 0.02", "stale_after: 0.043");
   EXPECT_EQ(loadTrainerConfig(root()).network.stale_after, 0.043);
-  // and a fall of more than 40 ms none
+  // and a fall of more than 40 ms leaves no time
   SetUp();
   replace("haptics.yaml", "max_slew: 140.0", "max_slew: 80");
   EXPECT_NE(message().find("max_slew is 80, expected [82.5"), std::string::npos) << message();
@@ -337,7 +337,7 @@ TEST_F(LoadConfig, SignedItpMayBeHeardFromOtherComputers) {
   replace("network.yaml", "bind_address: 127.0.0.1", "bind_address: 0.0.0.0");
   replace("network.yaml", "key_file: \"\"", "key_file: some.key");
   replace("network.yaml", "auth: \"off\"", "auth: accept_both");
-  EXPECT_NE(message().find("allow_plaintext_remote"), std::string::npos) << "accept_both takes unsigned ones too";
+  EXPECT_NE(message().find("allow_plaintext_remote"), std::string::npos) << "accept_both accepts unsigned packets too";
   replace("network.yaml", "auth: accept_both", "auth: required");
   EXPECT_EQ(message(), "");
 }
@@ -394,7 +394,7 @@ TEST_F(LoadConfig, ButtonsOfPedalsAreInRangeAndNoneIsThatOfTwo) {
   EXPECT_EQ(loadTrainerConfig(root()).network.joy.buttons[static_cast<std::size_t>(Pedal::kStop)], 6);
   replace("network.yaml", "trial: 2", "trial: -1");
   replace("network.yaml", "view: 3", "view: -1");
-  EXPECT_EQ(message(), "") << "none is no button";
+  EXPECT_EQ(message(), "") << "-1 means no button";
   replace("network.yaml", "stop: 6", "stop: 4");
   EXPECT_NE(message().find("stop is button 4, as is camera"), std::string::npos) << message();
   replace("network.yaml", "stop: 4", "stop: 128");
@@ -409,7 +409,7 @@ TEST_F(LoadConfig, ARealCameraHasATopicAndATimeToBeStale) {
   EXPECT_NE(message().find("stale_after"), std::string::npos) << message();
   replace("render.yaml", "stale_after: 0.01", "stale_after: 0.5");
   replace("render.yaml", "topic: real_camera/image_raw", "topic: /view/image_raw");
-  EXPECT_NE(message().find("the view itself"), std::string::npos) << "it would show itself, for ever: " << message();
+  EXPECT_NE(message().find("the view itself"), std::string::npos) << "an endless view of itself: " << message();
 }
 
 TEST_F(LoadConfig, ACameraSaysWhatMovesIt) {
@@ -442,12 +442,12 @@ TEST_F(LoadConfig, BothEyesAreCamerasBesideTheOneInTheirMiddle) {
 TEST_F(LoadConfig, OverlaysAreKnownByName) {
   const RenderConfig render = loadTrainerConfig(root()).render;
   EXPECT_TRUE(render.video_overlays.has(OverlayKind::kHazard));
-  EXPECT_FALSE(render.live_overlays.has(OverlayKind::kHazard)) << "the trainee shall not read it";
+  EXPECT_FALSE(render.live_overlays.has(OverlayKind::kHazard)) << "the trainee must not see it";
   EXPECT_TRUE(render.live_overlays.has(OverlayKind::kStatus));
   replace("render.yaml", "live: \\[ghost,", "live: [ghots,");
   EXPECT_NE(message().find("no overlay is called \"ghots\": did you mean \"ghost\"?"), std::string::npos) << message();
   replace("render.yaml", "live: \\[ghots,", "live: [spirit,");
-  EXPECT_NE(message().find("force_arrows"), std::string::npos) << "it says what there is: " << message();
+  EXPECT_NE(message().find("force_arrows"), std::string::npos) << "the message lists the valid overlays: " << message();
 }
 
 TEST(Overlays, AreAllOrNoneOrThoseThatAreNamed) {
@@ -479,7 +479,7 @@ TEST_F(LoadConfig, TheLivePicturesBoundsAreChecked) {
     replace("render.yaml", bad, good);
   }
   replace("render.yaml", "slowest: 10 ", "slowest: 30 ");
-  EXPECT_EQ(loadTrainerConfig(root()).render.live_slowest, 30) << "as fast as fps: it never goes down";
+  EXPECT_EQ(loadTrainerConfig(root()).render.live_slowest, 30) << "as fast as fps: the rate never drops";
 }
 
 }  // namespace

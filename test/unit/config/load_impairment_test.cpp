@@ -22,7 +22,7 @@ class LoadImpairment : public ::testing::Test {
   }
   void TearDown() override { fs::remove(path_); }
 
-  /** What is said about a file of this content; empty if it is good. */
+  /** The error message for a file with this content; empty: the file is accepted. */
   std::string message(const std::string& content) const {
     std::ofstream(path_) << content;
     try {
@@ -93,7 +93,7 @@ TEST_F(LoadImpairment, AnUnknownPresetNamesTheKnownOnes) {
   }
 }
 
-/** Whatever is at the other end of a cut: it ends later than it begins. */
+/** An outage must end later than it begins. */
 TEST_F(LoadImpairment, AnOutageEndsLaterThanItBegins) {
   for (const char* to : {"2.5", "3", "0"})
     EXPECT_NE(

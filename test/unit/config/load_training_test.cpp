@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** A copy of the packaged configuration, with folders of a test's own for what is trained. */
+/** A copy of the packaged configuration, with separate folders for the test's exercises. */
 class LoadTraining : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -104,7 +104,7 @@ TEST(Overrides, OfWhatIsReadHeardOrArmedAreRefused) {
   }
 }
 
-/** A key that a file loses or gets another name must not become one that anybody may set. */
+/** A key that is removed or renamed in its file must not become one that anybody may set. */
 TEST(Overrides, EveryKeyThatIsTheFilesAloneIsInItsFile) {
   for (const auto& [part, keys] : std::vector<std::pair<std::string, std::vector<std::string>>>{
            {"network", {"bind_address", "master_address", "auth", "ingest", "key_file", "allow_plaintext_remote"}},
@@ -126,7 +126,7 @@ TEST(Overrides, AreYamlAsItMayStandInAFile) {
   EXPECT_NE(refusal("haptics/tolerance", "\"" + std::string(1U << 20U, ' ') + "\"").find("1 MiB"), std::string::npos);
 }
 
-/** What is kept for the session, written out in the files' place, is what ran: nothing is left of the difference. */
+/** The texts kept for the session, written in place of the files, load as exactly the configuration that ran. */
 TEST(Overrides, TheTextsKeptReadAsWhatRan) {
   const Overrides overrides{named("seed", "12"), named("haptics/tolerance", "0.005"),
                             named("haptics/edge/size_I", "[0.5, 0.6, 0.7]"), named("network/joy/topic", "\"a: #b\""),
@@ -145,7 +145,7 @@ TEST(Overrides, TheTextsKeptReadAsWhatRan) {
   EXPECT_EQ(again.haptics.edge.size_I, (Vec3{0.5, 0.6, 0.7}));
   EXPECT_EQ(again.network.joy.topic, "a: #b");
   EXPECT_EQ(again.render.live_fps, 24);
-  EXPECT_EQ(again.network.key_file, ran.network.key_file) << "an empty text stays one";
+  EXPECT_EQ(again.network.key_file, ran.network.key_file) << "an empty text stays empty";
   EXPECT_EQ(again.network.itp.auth, ran.network.itp.auth) << "\"off\" stays a text";
   EXPECT_EQ(again.trainee, "");
   EXPECT_EQ(again.render.cameras.size(), ran.render.cameras.size());

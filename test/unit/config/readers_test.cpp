@@ -42,7 +42,7 @@ NetworkConfig network(const Overrides& overrides) {
   return readWith(readPackagedNetwork, "network", overrides);
 }
 
-/** Why the network's file is refused; empty: it is taken. */
+/** The error message for network.yaml; empty: the file is accepted. */
 std::string refusal(const Overrides& overrides) {
   try {
     network(overrides);
@@ -52,7 +52,8 @@ std::string refusal(const Overrides& overrides) {
   return "";
 }
 
-/** Whoever reaches the port moves the arms: only this computer's own addresses are local, and no name that looks so. */
+/** Any program that reaches the port can move the arms. Only this computer's own addresses are therefore local, and no
+ *  name that only looks local. */
 TEST(ReadNetwork, AnAddressThatMerelyLooksLocalIsNot) {
   for (const char* local : {"127.0.0.1", "127.1.2.3", "127.255.255.254", "localhost"})
     EXPECT_EQ(refusal({{"bind_address", local, "test"}}), "") << local;
@@ -61,7 +62,7 @@ TEST(ReadNetwork, AnAddressThatMerelyLooksLocalIsNot) {
     EXPECT_NE(refusal({{"bind_address", remote, "test"}}).find("allow_plaintext_remote"), std::string::npos) << remote;
 }
 
-/** net::TcpClient wants that, too, but knows no line of a file. */
+/** net::TcpClient checks this too, but cannot name the line of the file. */
 TEST(ReadNetwork, TheLongestPauseIsNotShorterThanTheShortest) {
   const Override shortest{"reconnect_min", "0.5", "test"};
   EXPECT_NE(refusal({shortest}).find("network.yaml:13: reconnect_max is 0.4, expected [0.5, 60]"), std::string::npos);
@@ -127,7 +128,7 @@ TEST(ReadArms, TheHomePoseIsWithinTheLimitsOfEveryJoint) {
   }
 }
 
-/** Values that differ between the arms go where their arm is. */
+/** Values that differ between the arms are read for the right arm. */
 TEST(Readers, EachArmHasItsOwnValues) {
   const ArmsConfig arms = readWith(readArms, "arms", {{"rcm_W/green", "[-0.04, -0.05, 0.15]", "test"}});
   EXPECT_EQ(arms.rcm_W[0], (Vec3{-0.03, 0.0643, 0.14}));
@@ -164,7 +165,7 @@ TEST(ReadFault, AFactorIsBoundedOnBothSides) {
     EXPECT_THROW(faultOf(row("scale", "gold", bad)), ConfigException) << bad;
 }
 
-/** Packets that change places are two at least. */
+/** At least two packets are needed to change places. */
 TEST(ReadFault, TheLimitsOfAStreamHold) {
   const auto stream = [](const std::string& kind, const std::string& value) {
     return "host: relay\nsite: network_layer\nvariable: packet\nkind: " + kind +

@@ -10,7 +10,7 @@
 namespace raven2_trainer::console {
 namespace {
 
-/** By many points of both. */
+/** Gap of two capsules, by comparing many points of both. */
 double gapByPoints(const Capsule& one, const Capsule& other) {
   constexpr int kPoints = 200;
   double least = 1e9;
@@ -59,7 +59,7 @@ class ClearanceTest : public ::testing::Test {
 };
 
 TEST_F(ClearanceTest, KeepsJawsOffATower) {
-  // a tower of 4 mm radius and 26 mm height stands at (-18, 28) mm; jaws are 10 mm long and keep 4.5 mm around them
+  // a tower of 4 mm radius and 26 mm height is at (-18, 28) mm; jaws are 10 mm long and keep 4.5 mm around them
   EXPECT_FALSE(clear({-0.018, 0.028, 0.030}));
   EXPECT_TRUE(clear({-0.018, 0.028, 0.042}));
   EXPECT_FALSE(clear({-0.018, 0.020, 0.020}));
@@ -87,7 +87,7 @@ TEST_F(ClearanceTest, FindsNoFreeWayThroughATowerButOneOverIt) {
   EXPECT_EQ(blockedBetween(arms_, Arm::kGold, over_to, to, around()), 0);
 }
 
-/** By many points of the jaws' boxes as raven2.urdf has them, and of the solids' middle lines. */
+/** Clearance by many points of the jaws' boxes, as raven2.urdf has them, and of the solids' middle lines. */
 double roomByPoints(const Pose& X_WT, double opening, const Surroundings& around) {
   double least = 1.0;
   const auto look = [&](const Vector3& p) {
@@ -110,7 +110,7 @@ double roomByPoints(const Pose& X_WT, double opening, const Surroundings& around
 }
 
 TEST(RoomOfJaws, IsThatOfTheirBoxesOpenAndClosed) {
-  // of a box, rods with round ends lack 0.31 mm at its edges, 0.55 mm at its corners; points are so far apart
+  // rods with round ends miss 0.31 mm of a box at its edges, 0.55 mm at its corners; kStep: the points' distance
   constexpr double kEdges = 0.00056, kStep = 0.0002;
   std::mt19937 random(2);  // NOLINT: the same every time
   std::uniform_real_distribution<double> share(-1.0, 1.0);
@@ -125,7 +125,7 @@ TEST(RoomOfJaws, IsThatOfTheirBoxesOpenAndClosed) {
     double room = 1.0;
     for (const double opening : {around.opening, 0.5 * around.opening, 0.0})
       room = std::min(room, roomByPoints(X_WT, opening, around));
-    if (room < 0.0002) continue;  // inside of a solid, points tell nothing
+    if (room < 0.0002) continue;  // inside a solid, the points' distances are meaningless
     EXPECT_LT(roomOfJaws(X_WT, around), room + kEdges) << X_WT.p.transpose();
     EXPECT_GT(roomOfJaws(X_WT, around), room - kStep) << X_WT.p.transpose();
   }

@@ -173,7 +173,7 @@ TEST(HandModel, IsDeflectedByForceOverStiffnessAtRest) {
   EXPECT_NEAR(console.deflection()[0][0], 1.0 / 300.0, 1e-9);
   EXPECT_EQ(console.deflection()[0][1], 0.0);
   EXPECT_EQ(console.deflection()[1][0], 0.0);
-  EXPECT_NEAR(sum_um, 1e6 * 0.1 / 300.0, 0.5);  // and the robot's tip by a tenth of it
+  EXPECT_NEAR(sum_um, 1e6 * 0.1 / 300.0, 0.5);  // the robot's tip moves by a tenth of it
 }
 
 TEST(HandModel, FollowsTheStepResponseOfACriticallyDampedMassOnASpring) {
@@ -245,7 +245,7 @@ TEST(Console, IgnoresLateAndImpossibleForces) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (std::uint32_t i = 0; i < 2000; ++i) {
     EXPECT_EQ(console.applyForce(forceX(1.0, 1000 + i)), Reject::kNone);
-    EXPECT_EQ(console.applyForce(forceX(-2.0, 999 + i)), Reject::kOutOfOrder);  // overtaken on the way
+    EXPECT_EQ(console.applyForce(forceX(-2.0, 999 + i)), Reject::kOutOfOrder);  // arrives after a newer one
     EXPECT_EQ(console.applyForce(forceX(-2.0, 1000 + i)), Reject::kDuplicate);
     EXPECT_EQ(console.applyForce(forceX(nan, 1001 + i)), Reject::kOutOfRange);
     EXPECT_EQ(console.applyForce(forceX(1e6, 1001 + i)), Reject::kOutOfRange);
@@ -302,7 +302,7 @@ TEST_P(ConsoleHands, AForcePushesItsOwnHandAlone) {
   for (std::size_t k = 0; k < 3; ++k) {
     const double pushed = at(force.force_I, GetParam())[k] / 300.0;
     EXPECT_NEAR(at(console.deflection(), GetParam())[k], pushed, 1e-9);
-    EXPECT_NEAR(at(sum, GetParam())[k], 0.1 * pushed, 1.1e-6) << "the tool by a tenth of it";
+    EXPECT_NEAR(at(sum, GetParam())[k], 0.1 * pushed, 1.1e-6) << "the tool moves a tenth of it";
     EXPECT_EQ(at(console.deflection(), otherArm(GetParam()))[k], 0.0);
     EXPECT_EQ(at(sum, otherArm(GetParam()))[k], 0.0);
   }

@@ -40,7 +40,7 @@ inline MasterConfig testMaster() {
   return c;
 }
 
-/** Devices and the hands on them, a millisecond at a time. Poses come every tick while `publishes`. */
+/** Devices and the hands on them, in steps of 1 ms. Poses arrive in every tick while `publishes`. */
 class DeviceBench {
  public:
   explicit DeviceBench(MasterConfig master, double jaws = 0.3)
@@ -59,7 +59,7 @@ class DeviceBench {
     return intent;
   }
 
-  /** A hand that trembles, pedal up, for the time that poses are watched; ends where it began. */
+  /** Lets the hand tremble, pedal up, for the time that poses are watched. The hand ends where it began. */
   void warmUp(double amplitude = 1e-3) {
     const PerArm<DeviceSample> before = samples;
     for (int i = 0; i < 600; ++i) {
@@ -74,7 +74,7 @@ class DeviceBench {
 
   void press(std::uint32_t buttons = 1) { samples[0].buttons = buttons; }
 
-  /** Moves the left device there within 20 ms. */
+  /** Moves the left device to `p` within 20 ms. */
   Intent moveTo(const Vec3& p) {
     const Vec3 from = samples[0].position;
     Intent intent;

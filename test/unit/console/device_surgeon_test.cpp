@@ -75,11 +75,11 @@ TEST(ShippedMasters, TurnsOfTheDeviceTurnTheHandAboutTheSameAxes) {
                                             [&](const Published& p) { return std::string(p.file) == file; });
     for (std::size_t axis = 0; axis < 3; ++axis) {
       DeviceBench bench(shipped(file));
-      // GIVEN a device that is turned somehow already
+      // GIVEN a device that is already rotated
       const Eigen::Quaterniond before(Eigen::AngleAxisd(0.8, Eigen::Vector3d(1, 2, 3).normalized()));
       bench.samples[0].orientation = toArray(before);
       bench.warmUp(1e-3 * family.units_per_metre);
-      // WHEN it turns by 0.3 rad about one of its base's axes
+      // WHEN it rotates by 0.3 rad about one of its base's axes
       Eigen::Vector3d about(0, 0, 0);
       about[static_cast<Eigen::Index>(axis)] = 1.0;
       Quat turn = kIdentityQuat;
@@ -107,7 +107,7 @@ TEST(DeviceSurgeon, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
   bench.press();
   EXPECT_FALSE(bench.tick().pedal);
   EXPECT_EQ(bench.newest(), DeviceTrouble::kTooSoon);
-  // held on: it does not engage by itself later
+  // a pedal that stays down does not engage later
   EXPECT_FALSE(bench.tick(600).pedal);
   bench.press(0);
   bench.tick();
@@ -185,7 +185,7 @@ TEST(DeviceSurgeon, WhatIsNoPoseLiftsThePedal) {
     EXPECT_FALSE(bench.tick().pedal);
     EXPECT_EQ(bench.newest(), c.trouble);
     EXPECT_FALSE(bench.said().empty());
-    // good again: not before the pedal was up
+    // the poses are valid again, but the pedal must go up first
     bench.samples[0].position = {0, 0, 0};
     bench.samples[0].orientation = kIdentityQuat;
     bench.tick();
@@ -224,7 +224,7 @@ TEST(DeviceSurgeon, AFastWristIsNoJumpAndAQuaternionOfTheOtherSignIsNone) {
     if (bench.publishes) bench.samples[0].orientation = {sign * std::sin(half), 0.0, 0.0, sign * std::cos(half)};
     ASSERT_TRUE(bench.tick().pedal) << i;
   }
-  // 0.52 rad within 9 ms are one
+  // 0.52 rad within 9 ms are a jump
   bench.publishes = false;
   bench.tick(8);
   bench.publishes = true;
@@ -270,7 +270,7 @@ TEST(DeviceSurgeon, PosesAtAHundredHertzAreSpreadOverTheTimeBetweenThem) {
   EXPECT_NEAR(bench.tick(10).hand_I[0][1], 0.04, 1e-12) << "all of it, 10 ms late";
 }
 
-/** A busy computer brings two poses of 60 Hz within a millisecond: the hand moves at the same speed, and arrives. */
+/** A busy computer delivers two poses of a 60 Hz driver within 1 ms. The hand keeps its speed and arrives. */
 TEST(DeviceSurgeon, PosesThatComeTogetherMakeNoStep) {
   for (const int late : {14, 15, 16}) {
     MasterConfig config = testMaster();
@@ -288,7 +288,7 @@ TEST(DeviceSurgeon, PosesThatComeTogetherMakeNoStep) {
       if (i > 200) largest = std::max(largest, hand - before);
       before = hand;
     }
-    EXPECT_LT(largest, 3.5 * 0.004 / 16) << late << ": a pose alone in one tick would be 0.004";
+    EXPECT_LT(largest, 3.5 * 0.004 / 16) << late << ": a whole pose in one tick would be 0.004";
     bench.publishes = false;
     EXPECT_NEAR(bench.tick(20).hand_I[0][1], bench.samples[0].position[1], 1e-12);
   }
@@ -316,7 +316,7 @@ TEST(DeviceSurgeon, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
   bench.warmUp();
   bench.samples[0].buttons = bench.samples[1].buttons = 1;
   ASSERT_TRUE(bench.tick().pedal);
-  // GIVEN a driver that dies with its button down, and another that is started: of the release nothing came
+  // GIVEN a driver that dies with its button down and is restarted, so that nobody published the release
   bench.publishes = false;
   ASSERT_FALSE(bench.tick(200).pedal);
   EXPECT_EQ(bench.report().pedal, 0);
@@ -353,7 +353,7 @@ TEST(DeviceSurgeon, APoseThatDoesNotChangeWhileEngagedIsToldAndLetBe) {
   EXPECT_TRUE(bench.tick(20).pedal) << "one of two devices may rest";
   EXPECT_EQ(bench.newest(), DeviceTrouble::kFrozen);
   EXPECT_EQ(bench.report().found[0], 1U) << "once";
-  // it was the driver that hung: what it missed comes at once
+  // the driver had hung: the motion that it missed arrives at once
   bench.samples[0].position[0] += 0.05;
   EXPECT_FALSE(bench.tick().pedal);
   EXPECT_EQ(bench.newest(), DeviceTrouble::kJump);
@@ -386,7 +386,7 @@ TEST(DeviceSurgeon, AnOperatingStateThatHasNotComeForbidsAndIsToldAfterAMoment) 
   EXPECT_FALSE(bench.tick().pedal);
   bench.samples[0].is_stateless = 0;
   bench.tick();
-  EXPECT_EQ(bench.newest(), DeviceTrouble::kNotReady) << "it is DISABLED, say";
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNotReady) << "for example DISABLED";
   bench.press(0);
   bench.samples[0].is_ready = 1;
   bench.tick();
@@ -439,7 +439,7 @@ TEST(DeviceSurgeon, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
   config.gripper_from = GripperFrom::kToggles;
   DeviceBench bench(config, 0.5);
   bench.warmUp();
-  bench.press(2);  // without the pedal: nothing
+  bench.press(2);  // without the pedal, the button has no effect
   EXPECT_EQ(bench.tick(300).grasp[0], 0.5);
   bench.press(1);
   EXPECT_EQ(bench.tick(300).grasp[0], 0.5);
@@ -488,10 +488,10 @@ TEST(DeviceSurgeon, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
   expectNear(bench.tick(1000).hand_I[0], {0, 0, 0}, 1e-12, "dead band");
   bench.samples[0].axes = {0.0, 1.0};  // forward, at its end
   expectNear(bench.tick(1000).hand_I[0], {0.08, 0, 0}, 1e-9, "forward");
-  bench.samples[0].axes = {-0.55};  // right, half of what is left
+  bench.samples[0].axes = {-0.55};  // right, half of the range beyond the dead band
   expectNear(bench.tick(1000).hand_I[0], {0.08, 0.04, 0}, 1e-9, "right");
   bench.samples[0].axes = {};
-  bench.samples[1].axes = {0, 0, 0, 0, 0, 0, 1.0};  // of the right hand: up
+  bench.samples[1].axes = {0, 0, 0, 0, 0, 0, 1.0};  // the right hand moves up
   const Intent intent = bench.tick(500);
   expectNear(intent.hand_I[0], {0.08, 0.04, 0}, 1e-9, "rests");
   expectNear(intent.hand_I[1], {0, 0, -0.04}, 1e-9, "up");
@@ -552,7 +552,7 @@ TEST(DeviceSurgeon, WithAForceGoesTheLastPlaceThatIsOne) {
   EXPECT_EQ(told().is_placed, 0) << "before the first pose";
   bench.publishes = true;
   bench.tick(3);
-  EXPECT_EQ(told().is_placed, 0) << "before the first finite one";
+  EXPECT_EQ(told().is_placed, 0) << "before the first finite pose";
   EXPECT_EQ(told().position, (Vec3{0, 0, 0}));
   bench.samples[0].position = {0.01, 0.02, 0.03};
   bench.tick();
@@ -612,7 +612,7 @@ TEST_P(EachDevice, ForbidsToStartIfItAloneHasNeverMoved) {
   EXPECT_EQ(bench.newest(otherArm(GetParam())), DeviceTrouble::kNone);
 }
 
-/** A pose of a slow driver is gone to in ten ticks, of which the pedal leaves seven. */
+/** The hand moves to a slow driver's pose within ten ticks. The pedal goes down after three of them. */
 TEST_P(EachDevice, MovesNothingByWhatIsLeftOfAPoseAsThePedalGoesDown) {
   MasterConfig master = testMaster();
   master.orientation = true;
@@ -637,7 +637,7 @@ TEST_P(EachDevice, MovesNothingByWhatIsLeftOfAPoseAsThePedalGoesDown) {
   }
 }
 
-/** The device's x is the hand's z, and its y the hand's x: the second turn is added to the first one there. */
+/** The device's x is the hand's z, its y the hand's x. In these axes the second rotation follows the first one. */
 TEST_P(EachDevice, AddsTheTurnsOfTwoEngagementsAboutItsOwnAxes) {
   MasterConfig master = testMaster();
   master.orientation = true;
@@ -724,7 +724,7 @@ TEST_P(EachDevice, IsNoPedalAfterItsDriverDiedUntilItsButtonWasUp) {
 }
 
 TEST_P(EachDevice, IsTooWideBeyondFiveWorkspacesOnEitherSide) {
-  // a workspace of 70 mm along z: five times as much are 0.35 m
+  // a workspace of 70 mm along z: five times that is 0.35 m
   for (const double side : {-1.0, 1.0}) {
     DeviceBench bench(testMaster());
     bench.warmUp();
@@ -793,7 +793,7 @@ TEST(DeviceSurgeon, AStickBeyondItsEndIsAtItsEndOnEitherSide) {
   }
 }
 
-/** A console with such hands on a robot that is ready. */
+/** A console with master devices, and a robot that is ready. */
 struct RealConsole {
   explicit RealConsole(double scale = 0.1, bool orientation = false, double max_turn_jump = 0.2)
       : bench(master(scale, orientation, max_turn_jump)) {
@@ -870,7 +870,7 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
   const double inf = std::numeric_limits<double>::infinity();
   const std::array<double, 6> odd{inf, -inf, std::nan(""), 1e300, 83.0, -0.4};
   Random random(5);
-  RealConsole real(1.0, /*orientation=*/true, /*max_turn_jump=*/3.2);  // all of its random turns reach the packet
+  RealConsole real(1.0, /*orientation=*/true, /*max_turn_jump=*/3.2);  // all random rotations reach the packet
   real.warmUp();
   int engaged = 0, moved = 0;
   for (int i = 0; i < 60000; ++i) {
@@ -896,7 +896,7 @@ TEST(RealHands, WhateverADevicePublishesEveryPacketIsOneThatTheDaemonTakes) {
 }
 
 TEST(RealHands, WhatAHandDidBeforeThePedalWasDownMovesNothingHoweverLateItIsTold) {
-  // GIVEN a driver that stalls: for less than silent_after, for longer, and one of 100 Hz between two of its poses
+  // GIVEN a driver that stalls: between two poses at 100 Hz, for less than silent_after, and for longer
   for (const int stall : {5, 60, 200}) {
     for (const bool pressed_amidst : {true, false}) {
       RealConsole real(0.1, /*orientation=*/true);
@@ -908,7 +908,7 @@ TEST(RealHands, WhatAHandDidBeforeThePedalWasDownMovesNothingHoweverLateItIsTold
         real.bench.press();
         ASSERT_EQ(real.tick().surgeon_mode, 1);
       }
-      // WHEN it tells at once what the hand did meanwhile, and the pedal goes down
+      // WHEN the driver publishes the hand's motion of the stall at once, and the pedal goes down
       real.is_silent = false;
       DeviceSample& left = real.bench.samples[0];
       left.position[0] += 0.015;
@@ -921,7 +921,7 @@ TEST(RealHands, WhatAHandDidBeforeThePedalWasDownMovesNothingHoweverLateItIsTold
         ASSERT_EQ(packet.delx_um[0], 0) << stall << " " << pressed_amidst << " " << i;
         ASSERT_NEAR(packet.Qx[0], 0.0, 1e-12);
       }
-      // and what it does from there on counts
+      // and the hand's later motion counts
       left.position[1] += 0.004;
       int moved = 0;
       for (int i = 0; i < 30; ++i)
@@ -950,7 +950,7 @@ TEST(RealHands, ATurnIsAddedToTheOneBeforeTheClutch) {
       turned = Eigen::Quaterniond(packet.Qw[0], packet.Qx[0], packet.Qy[0], packet.Qz[0]) * turned;
     }
     real.bench.press(0);
-    for (int i = 0; i < 100; ++i) {  // back again, and somewhere else
+    for (int i = 0; i < 100; ++i) {  // with the pedal up, the hand rotates elsewhere
       turnBy(-0.004, Eigen::Vector3d::UnitX());
       ASSERT_EQ(real.tick().surgeon_mode, 0);
     }

@@ -13,7 +13,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "support/effort.h"
 
-// The verbs, in a world without mass: what they lead to, not how well jaws hold.
+// The verbs in a world without mass. The tests check where they lead, not how well the jaws hold.
 
 namespace raven2_trainer::console {
 namespace {
@@ -40,7 +40,7 @@ Verb putOver(Arm arm, std::uint8_t peg) {
 
 const Vec3 kMiddle{0.010, 0.0, 0.045};
 
-/** Gold takes it up, green over and puts it down. */
+/** Gold picks the ring up; green takes it over and puts it down. */
 std::vector<Verb> wholeTask() {
   return {verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle), verb(VerbKind::kTakeOver, Arm::kGreen),
           putOver(Arm::kGreen, 0)};
@@ -94,7 +94,7 @@ TEST_F(ExpertTest, CarriesTheRingLevelToWhereItShouldBe) {
   world.run(100.0);
   ASSERT_TRUE(world.finished());
   EXPECT_TRUE(world.isHeldBy(Arm::kGold));
-  EXPECT_LT(off(world.ring(), kMiddle), 0.0007) << "by what it saw: it was told nothing of the sag";
+  EXPECT_LT(off(world.ring(), kMiddle), 0.0007) << "corrected by sight, without knowing the sag";
   EXPECT_LT(tilt(world.ring()), 0.05);
 }
 
@@ -114,7 +114,7 @@ TEST_F(ExpertTest, GivesUpInTheEnd) {
   EXPECT_TRUE(world.finished());
   EXPECT_EQ(told("given_up"), 1);
   EXPECT_EQ(world.highest(), 0.0);
-  EXPECT_EQ(told("close"), Skill{}.tries) << "as many times as it tries";
+  EXPECT_EQ(told("close"), Skill{}.tries) << "once for each try";
 }
 
 TEST_F(ExpertTest, StopsWhenTheAttemptHasFailed) {
@@ -168,7 +168,7 @@ TEST_F(ExpertTest, StaysWithinWhatADaemonTakesOfItp) {
     world.tick();
     ASSERT_EQ(wire::checkItp(world.packet(), limits), Reject::kNone);
     for (const Arm arm : kArms) {
-      // 60 mm/s on average is 113 at a minimum-jerk move's peak, and some of tremor and correction on it
+      // a minimum-jerk move of 60 mm/s on average peaks at 113 mm/s; tremor and corrections come on top
       ASSERT_LT(std::abs(at(world.packet().delx_um, arm)), 160);
     }
   }
@@ -239,7 +239,7 @@ TEST_F(ExpertTest, LeadsTheRingAlongAWireWithoutLeavingIt) {
 TEST_F(ExpertTest, BringsTheCameraThereAndLeavesTheToolsWhereTheyAre) {
   Skill sure;
   sure.tremor = 0.0;
-  for (const double eye_by_tip : {1.5, 3.0, 4.5}) {  // it only knows about how far the eye goes
+  for (const double eye_by_tip : {1.5, 3.0, 4.5}) {  // the surgeon knows only roughly how far the eye moves
     Verb look = verb(VerbKind::kCameraTo, Arm::kGold, kNobody);
     look.to_W = {-0.10, 0.12, 0.20};
     FakeWorld& world = start({look}, sure);
@@ -258,7 +258,7 @@ TEST_F(ExpertTest, ClutchesWhenToldTo) {
   FakeWorld& world = start({verb(VerbKind::kClutch, Arm::kGold, kNobody)});
   world.run(30.0);
   EXPECT_TRUE(world.finished());
-  EXPECT_EQ(world.pedalUps(), 2) << "the clutch, and the end";
+  EXPECT_EQ(world.pedalUps(), 2) << "once for the clutch, once at the end";
 }
 
 TEST(ExpertPress, HoldsAPedalForAsLongAsItIsTold) {
@@ -376,9 +376,9 @@ TEST(Clumsiness, IsRefusedWhereItDoesNotFit) {
   Clumsiness wrong;
   wrong.verb = 0;
   wrong.let_go_at = 0.5;
-  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "one cannot let go while gripping";
+  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "a grip verb has nothing to let go";
   wrong.verb = 4;
-  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "there are four";
+  EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException) << "there are four verbs";
   wrong.verb = 1;
   wrong.let_go_at = 1.1;
   EXPECT_THROW(makeClumsy(wrong, &verbs, &skill), ConfigException);
@@ -472,12 +472,12 @@ TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
     world.tick();
     down += world.packet().surgeon_mode;
   }
-  world.push_I = {0.0, 0.0, 0.0};  // gone again: the reaction is under way
+  world.push_I = {0.0, 0.0, 0.0};  // the force ends, but the reaction is under way
   while (world.packet().surgeon_mode == 1 && down < 1000) {
     world.tick();
     down += world.packet().surgeon_mode;
   }
-  EXPECT_EQ(down, 399) << "ticks with the pedal down after the one in which it was felt";
+  EXPECT_EQ(down, 399) << "ticks with the pedal down after the first felt tick";
   while (world.packet().surgeon_mode == 0 && up < 5000) {
     ++up;
     world.tick();
@@ -489,7 +489,7 @@ TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
   EXPECT_EQ(truth.events()[2].sequence, felt + 2400);
   world.run(200.0);
   EXPECT_TRUE(world.finished());
-  EXPECT_LT((world.ring().p - Vector3(-0.018, -0.028, 0.002)).norm(), 0.002) << "and goes on where it was";
+  EXPECT_LT((world.ring().p - Vector3(-0.018, -0.028, 0.002)).norm(), 0.002) << "and continues where it was";
 }
 
 /** Pedal down, 1 mm a tick along x. */
@@ -540,7 +540,7 @@ TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
   }
 }
 
-/** With the camera's pedal the robot is told pedal-up. */
+/** While the camera's pedal is down, the robot receives pedal-up. */
 TEST(Reaction, ARobotThatWaitsForTheCameraIsNotDeaf) {
   auto walking = std::make_unique<Walking>();
   walking->pedals = 1;
@@ -551,7 +551,7 @@ TEST(Reaction, ARobotThatWaitsForTheCameraIsNotDeaf) {
     ASSERT_TRUE(source->tick(senses).pedal) << i;
 }
 
-/** A robot that takes a pedal as up that is down does not follow: nothing is done until it does. */
+/** A robot that takes a pressed pedal as released does not follow. The surgeon does nothing until it follows. */
 TEST(Reaction, ADeafRobotIsPressedForAgainAndAgainAndNothingIsDoneMeanwhile) {
   Reaction reaction;
   reaction.rest = 0.050;
@@ -569,7 +569,7 @@ TEST(Reaction, ADeafRobotIsPressedForAgainAndAgainAndNothingIsDoneMeanwhile) {
   told(RunLevel::kPedalDown);
   ticks(500, true);
   told(RunLevel::kPedalUp);
-  ticks(999, true);  // it may take its time
+  ticks(999, true);  // the robot may take this long to follow
   told(RunLevel::kPedalDown);
   ticks(500, true);
   EXPECT_EQ(walk->steps, 1999);
@@ -583,7 +583,7 @@ TEST(Reaction, ADeafRobotIsPressedForAgainAndAgainAndNothingIsDoneMeanwhile) {
   EXPECT_EQ(walk->steps, 2998);
   told(RunLevel::kPedalDown);
   ticks(20, true);
-  EXPECT_EQ(walk->steps, 2998) << "it looks first";
+  EXPECT_EQ(walk->steps, 2998) << "it watches the robot first";
   ticks(10, true);
   EXPECT_EQ(walk->steps, 3008);
   EXPECT_EQ(walk->interruptions, 1);

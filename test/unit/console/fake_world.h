@@ -43,8 +43,8 @@ inline Pose baseOf(const ArmsConfig& arms, Arm arm) {
 }
 
 /**
- * A robot without mass that takes ITP by the rules of the real one, and a ring that sticks between closed jaws and
- * falls straight down otherwise. It sags, so that a tool is not where it was told to be.
+ * A robot without mass that accepts ITP by the rules of the real one, and a ring that sticks between closed jaws and
+ * falls straight down otherwise. The robot sags, so that a tool is not where it was commanded to be.
  */
 class FakeWorld {
  public:
@@ -76,7 +76,7 @@ class FakeWorld {
       tick();
   }
 
-  ExerciseStatus exercise{ExerciseStatus::kNone};  ///< as it is seen
+  ExerciseStatus exercise{ExerciseStatus::kNone};  ///< as the surgeon sees it
   bool finished() const { return console_.finished(); }
   const Pose& ring() const { return ring_; }
   bool isHeldBy(Arm arm) const { return at(X_TR_, arm).has_value(); }
@@ -100,7 +100,7 @@ class FakeWorld {
   double eye_by_tip{3.0};                                    ///< [-]
   bool is_blind{false};                                      ///< no pictures
   Vector3 push_I{0.0, 0.0, 0.0};                             ///< [N] on the gold hand
-  int slips{0};                                              ///< so many grips do not take
+  int slips{0};                                              ///< number of grips that fail
 
  private:
   bool isDown() const { return pedal_ticks_ > 20; }  // the robot's brakes take their time
@@ -137,7 +137,7 @@ class FakeWorld {
     if (opening(arm) > kGripOpening) at(X_TR_, arm).reset();
   }
 
-  /** An eye on a sphere, moved by the mean of both hands: to the right and upward around it, forward nearer. */
+  /** An eye on a sphere. The mean of both hands moves it: right and up around the sphere, forward nearer to it. */
   void moveCamera(const MasterCommand& command) {
     const Vector3 mean_I = 0.5 * (toEigen(command.dp_I[0]) + toEigen(command.dp_I[1]));
     const Vector3 from = eye_W - target_W;
@@ -187,7 +187,7 @@ class FakeWorld {
     sight.exercise = exercise;
     for (const Arm arm : kArms) {
       at(sight.tool_W, arm) = toArray(tool(arm));
-      // what is between the jaws keeps them apart: a bar of 4 mm, 7.5 mm from the pivot
+      // a held bar keeps the jaws apart: it is 4 mm thick, 7.5 mm from the pivot
       at(sight.opening, arm) = isHeldBy(arm) ? std::max(0.5, opening(arm)) : opening(arm);
     }
     sight.camera.eye_W = toArray(eye_W);

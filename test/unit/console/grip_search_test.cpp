@@ -13,7 +13,7 @@ SceneObject roundRing() {
   return {"ring", "ring", /*square=*/0, /*inner_radius=*/0.00775, /*bar_radius=*/0.00175};
 }
 
-/** Ring on its stand, to be carried to the middle. */
+/** Carries the ring from `ring_stand` to the middle. */
 GripTask onTheStand(const ArmsConfig& arms, Arm arm, const SceneObject& ring) {
   GripTask task;
   task.arm = arm;
@@ -32,8 +32,7 @@ GripPlan search(const ArmsConfig& arms, const GripTask& task, int at_once = 1000
   return search.best();
 }
 
-/** Least distance of a joint from its limits in the best of the arm's ways to hold a tool so; [rad], insertion x 8.7.
- */
+/** Least distance of a joint from its limits, in the best joint solution of this pose; [rad], insertion x 8.7. */
 double roomAt(const ArmsConfig& arms, Arm arm, const Pose& X_WT) {
   kinematics::IkSolutions solutions;
   kinematics::inverseAll(arms.geometry, arm, baseOf(arms, arm).inverse() * X_WT, kOpenJaws, &solutions);
@@ -81,7 +80,7 @@ TEST(GripSearch, FindsForEachArmAGripWellInsideItsJoints) {
       const GripTask task = onTheStand(arms, arm, ring);
       const GripPlan plan = search(arms, task);
       EXPECT_GE(plan.score, kEnoughMargin) << name(arm);
-      // and so it is by all solutions of the pose, without the search's trail
+      // all solutions of the pose give the same margin, without the search's joint trail
       const Pose X_RT = toolInRing(plan.grip, ring);
       EXPECT_GE(roomAt(arms, arm, task.X_WR * X_RT), plan.score - 1e-9);
       for (const Pose& station : task.stations_W)
@@ -142,7 +141,7 @@ TEST(FindWay, LeadsOverATowerThatIsInTheWay) {
   const PastATower task = pastATower();
   JointTrail trail(arms, Arm::kGold, arms.geometry.home);
   ASSERT_TRUE(trail.go(task.from));
-  ASSERT_GT(blockedBetween(arms, Arm::kGold, task.from, task.to, task.around), 0) << "straight is no way";
+  ASSERT_GT(blockedBetween(arms, Arm::kGold, task.from, task.to, task.around), 0) << "the straight line is blocked";
   std::vector<Pose> via;
   EXPECT_EQ(findWay(arms, Arm::kGold, task.around, {}, task.to, &trail, &via), 0);
   ASSERT_FALSE(via.empty());
@@ -182,7 +181,7 @@ TEST(GripSearch, KeepsTheJawsOffWhatALowRingLiesOn) {
   task.lifted_W = Vector3(0.006, 0.014, 0.030);
   task.around.floor = 0.002;
   task.around.opening = openFor(0.0015);
-  // WHEN a grip is searched, THEN neither open nor closed jaws, 10 mm long, come to the board
+  // WHEN a grip is searched, THEN neither open nor closed jaws, 10 mm long, touch the board
   const GripPlan plan = search(arms, task);
   ASSERT_GE(plan.score, kEnoughMargin);
   const Pose X_WT = task.X_WR * toolInRing(plan.grip, task.ring);
@@ -223,7 +222,7 @@ TEST(AlongWire, LeadsARingThroughThePointsLeaningTowardsUpright) {
   }
   EXPECT_NEAR((way.back().p - Vector3(-0.010, 0.02, 0.022)).norm(), 0.0, 1e-3);
   EXPECT_NEAR(headingOf(way.front()), 0.3, 1e-9);
-  // a turn about y alone leaves what lies along y where it was
+  // a rotation about y alone leaves points along y in place
   const Vector3 y_R = way.front().R.transpose() * Vector3::UnitY();
   EXPECT_NEAR((way.back().R * y_R - Vector3::UnitY()).norm(), 0.0, 1e-6);
 }

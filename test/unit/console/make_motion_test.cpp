@@ -72,7 +72,7 @@ TEST(Motion, OnlyExpertAndClumsyHandsDoTheExercise) {
     EXPECT_FALSE(doesExercise(motion)) << motion;
 }
 
-/** Hands that hold the pedal down. */
+/** Ticks until the simulated surgeon lifts the pedal; -1: never. */
 int ticksToPedalUp(console::MotionSource* hands, bool with_force) {
   console::Senses senses;
   for (int tick = 0; tick < 3000; ++tick) {

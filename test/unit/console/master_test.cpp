@@ -18,7 +18,7 @@ TEST(WordsOfScale, AMasterOfAnotherScaleThanTheDaemonsIsTold) {
   EXPECT_EQ(wordsOfScale(master, 0.1), "");
 }
 
-/** Two devices, each with topics of its own. */
+/** Two devices, each with its own topics. */
 MasterConfig twoDevices() {
   MasterConfig master;
   master.reach = 0.35;

@@ -11,7 +11,7 @@
 
 #include "raven2_trainer/core/exceptions.h"
 
-// The verbs of the scripted hands of an exercise: each arm, each kind, each name in the scene.
+// The verbs of an exercise's simulated surgeon: each arm, each kind, each name in the scene.
 
 namespace raven2_trainer::console {
 namespace {

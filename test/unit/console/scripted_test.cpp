@@ -31,7 +31,7 @@ Vector3 hand(const Intent& intent, Arm arm) {
   return toEigen(at(intent.hand_I, arm));
 }
 
-/** What one hand does between two rests with the pedal down. */
+/** The motion of one hand between two rests, with the pedal down. */
 struct Stroke {
   Arm arm;
   Vector3 from_tip, to_tip;  ///< [m] [@frame I] of the robot's tip, from home
@@ -232,7 +232,7 @@ TEST(Scripted, GoesOnForEverWithoutAMotionTime) {
 }
 
 TEST(Scripted, TremorLiesBetween8And12HertzAndWithinItsAmplitude) {
-  // GIVEN hands that rest for 16 s
+  // GIVEN a simulated surgeon that rests for 16 s
   ConsoleConfig config = testConfig();
   config.pause_min = config.pause_max = 20.0;
   const std::size_t n = 16000;

@@ -55,7 +55,7 @@ class ToolHandTest : public ::testing::Test {
 TEST_F(ToolHandTest, LeadsTheToolToWhereItIsWanted) {
   hand_.move(now_, there_, 800);
   run(400);
-  EXPECT_NEAR(errorOf(tool_.X_WT, start_).distance, 0.5 * errorOf(there_, start_).distance, 1e-6) << "half way";
+  EXPECT_NEAR(errorOf(tool_.X_WT, start_).distance, 0.5 * errorOf(there_, start_).distance, 1e-6) << "halfway";
   run(400);
   expectAt(there_);
 }
@@ -104,7 +104,7 @@ TEST_F(ToolHandTest, AsksForMoreWhereTheToolStaysBehind) {
   run(200);
   EXPECT_NEAR(errorOf(seen(), there_).distance, 0.0, 1e-9);
   EXPECT_NEAR(errorOf(seen(), there_).angle, 0.0, 1e-7);
-  EXPECT_EQ(hand_.goal().p, there_.p) << "what is wanted is what it was";
+  EXPECT_EQ(hand_.goal().p, there_.p) << "the goal has not changed";
 }
 
 TEST_F(ToolHandTest, DoesNotPushHarderAgainstWhatHoldsTheTool) {
@@ -113,7 +113,7 @@ TEST_F(ToolHandTest, DoesNotPushHarderAgainstWhatHoldsTheTool) {
   run(500);
   const Vector3 before = toEigen(hand_.position(now_));
   for (int i = 0; i < 20; ++i) {
-    hand_.correct(now_, held, 100);  // it does not move at all
+    hand_.correct(now_, held, 100);  // the tool is stuck
     run(100);
   }
   const Vector3 more = toEigen(hand_.position(now_)) - before;

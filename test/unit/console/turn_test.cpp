@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// Orientation of the hands in the packets, and what the hands are given to see and feel.
+// Orientation of the hands in the packets, and the images and forces that the surgeon receives.
 
 namespace raven2_trainer::console {
 namespace {
@@ -38,7 +38,7 @@ Intent pressed() {
 
 TEST(ConsoleTurn, ProductOfAllIncrementsIsTheWholeTurn) {
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-    // GIVEN hands that turn at random, up to 50 rad/s
+    // GIVEN a simulated surgeon that rotates both hands at random, up to 50 rad/s
     Random random(seed);
     PerArm<Quaternion> wanted{Quaternion::Identity(), Quaternion::Identity()};
     Console console = readyConsole(testConfig(), [&](Tick) {
@@ -46,7 +46,7 @@ TEST(ConsoleTurn, ProductOfAllIncrementsIsTheWholeTurn) {
       for (const Arm arm : kArms) {
         const Quaternion step(Eigen::AngleAxisd(random.uniform(0.0, 0.05), randomAxis(&random)));
         at(wanted, arm) = (step * at(wanted, arm)).normalized();
-        // the same turn has two quaternions
+        // a rotation has two quaternions
         const double sign = random.uniform(0.0, 1.0) < 0.5 ? -1.0 : 1.0;
         at(intent.turn_I, arm) = toArray(Quaternion(sign * at(wanted, arm).coeffs()));
       }
@@ -88,11 +88,11 @@ TEST(ConsoleTurn, WhatOnePacketMayNotHoldFollowsInTheNext) {
       product = step * product;
     }
     EXPECT_NEAR(angleOf(product.conjugate() * toEigen(far)), 0.0, 1e-9);
-    EXPECT_EQ(console.tick().Qw[1], 1.0) << "and nothing after it";
+    EXPECT_EQ(console.tick().Qw[1], 1.0) << "no rotation after it";
   }
 }
 
-/** 2 rad need 21 packets; the pedal goes up after three, and the hand turns 0.02 rad more when it is down again. */
+/** 2 rad need 21 packets; the pedal goes up after three, and the hand is 0.02 rad further when it is down again. */
 TEST(ConsoleTurn, WhatIsLeftOfATurnEndsWithThePedal) {
   const Vector3 axis = Vector3(1.0, -2.0, 2.0) / 3.0;
   Console console = readyConsole(testConfig(), [&](Tick now) {
@@ -150,7 +150,7 @@ TEST(ConsoleTurn, WithThePedalUpHandsTurnAndTheRobotDoesNot) {
   EXPECT_NEAR(angleOf(product.conjugate() * toEigen(about(axis, 0.01 * 199))), 0.0, 1e-12);
 }
 
-/** Keeps what it is given. */
+/** Keeps the senses that it receives. */
 class SensingSource : public MotionSource {
  public:
   explicit SensingSource(Senses* senses) : senses_(senses) {}

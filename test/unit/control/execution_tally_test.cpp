@@ -94,7 +94,7 @@ TEST(ExecutionTally, OfOneThatNeverBeganHasNoFigures) {
   tally.start(1, plan(), true);
   tally.begin(5);
   tally.add(sample(0.0, 0.1, 0.1, 3));
-  tally.start(2, plan(), true);  // anew: nothing of the first is left
+  tally.start(2, plan(), true);  // a new start: nothing of the first one is left
   const ExecutionReport report = tally.finish(ExecutionEnd::kNoPedal, 9, 0.0);
   EXPECT_EQ(report.id, 2U);
   EXPECT_EQ(report.started, -1);

@@ -16,7 +16,7 @@ constexpr std::array<const char*, kEventCount> kEventNames{
     "trial_discarded", "repeat_wanted", "repeat_armed",      "repeat_shown",        "return_wanted", "returned",
     "camera_pressed",  "camera_left",   "camera_left_alone", "camera_left_on_tape", "replay_wanted", "replay_ended"};
 
-/** Whatever the table does, by the names of modes and events: as doc/modes.md lists it. Emergency stops beside it. */
+/** All changes of the table by the names of modes and events, as in doc/modes.md, except emergency stops. */
 const std::multimap<std::string, std::pair<std::string, std::string>> kChanges{
     {"waiting", {"robot_ready", "pedal_up"}},
     {"waiting", {"pedal_pressed", "teleoperating"}},

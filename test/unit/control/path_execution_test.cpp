@@ -72,7 +72,7 @@ TEST(PathExecution, PassesTheWaypointsAtTheirTimes) {
     execution.tick(true);
   EXPECT_LT(apart(execution.desired(), kMiddle), 1e-9);
   EXPECT_NEAR(execution.progress(), 0.5 / 1.3, 1e-9);
-  for (int i = 0; i < 400; ++i)  // half of the second edge: a quintic's middle is half way
+  for (int i = 0; i < 400; ++i)  // half of the second edge's time: a quintic is then halfway
     execution.tick(true);
   for (std::size_t j = 0; j < kJointCount; ++j)
     EXPECT_NEAR(execution.desired()[j], 0.5 * (kMiddle[j] + kGoal[j]), 1e-9);
@@ -112,7 +112,7 @@ TEST(PathExecution, StandsStillAsLongAsTheArmMayNotMove) {
   for (int i = 0; i < 300; ++i)
     execution.tick(true);
   // 1 + 2 + ... + 100 hundredths of a tick in the first hundred of them: 50.5, then whole ones.
-  EXPECT_NEAR(execution.progress(), (400 - 200 + 50.5 + 200) / 1300.0, 1e-12) << "it goes on where it stood";
+  EXPECT_NEAR(execution.progress(), (400 - 200 + 50.5 + 200) / 1300.0, 1e-12) << "it resumes where it stopped";
   EXPECT_EQ(execution.waited(), 0.0);
 }
 
@@ -125,8 +125,8 @@ TEST(PathExecution, ComesUpToSpeedAgainAfterAWait) {
   const JointArray fastest = execution.tick(true).dq;
   for (int i = 0; i < 30; ++i)
     execution.tick(false);
-  // WHEN it goes on THEN no joint's rate jumps by more than a hundredth of the highest one in a tick, but for the
-  // path's own acceleration: at most 10/sqrt(3) of the distance over the square of the time
+  // WHEN it resumes THEN no joint's rate jumps by more than a hundredth of the highest rate in a tick. The path's
+  // acceleration is added: at most 10/sqrt(3) of the distance over the square of the time
   JointArray before{};
   for (int i = 0; i < 100; ++i) {
     const JointArray now = execution.tick(true).dq;
@@ -156,7 +156,7 @@ TEST(PathExecution, NeverJumps) {
 }
 
 TEST(PathExecution, AnotherStartIsAsTheFirst) {
-  // GIVEN executions given up at any time, the last one at rest behind its end, and waiting
+  // GIVEN executions abandoned at any time, the last one after its end, and while they wait
   for (const int ticks : {1, 150, 450, 900, 1600}) {
     PathExecution used(configuration()), fresh(configuration());
     used.start(plan(), kMiddle);
@@ -181,7 +181,7 @@ TEST(PathExecution, OfMoreWaypointsThanThereCanBeEndsAtTheLastThatThereIs) {
   endless.waypoint_count = kMaxWaypoints + 1;
   endless.waypoints.back() = kGoal;
   endless.arrival.back() = 0.7;
-  endless.cost = 99.0;  // lies behind the arrivals
+  endless.cost = 99.0;  // lies behind the arrivals in memory
   PathExecution execution(configuration());
   execution.start(endless, kStart);
   EXPECT_EQ(execution.duration(), 0.7);

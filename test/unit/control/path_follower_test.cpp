@@ -103,7 +103,7 @@ TEST(PathFollower, StartsAndStopsAtRestAtEveryWaypoint) {
   for (int tick = 1; tick <= 700; ++tick) {
     const JointArray q = follower.tick();
     const bool at_rest = tick == 1 || tick == 250 || tick == 251 || tick == 700;
-    // 10 (1/250)^3 of the way, at most 1 rad, in the first and last tick of a segment
+    // 10 (1/250)^3 of the distance, at most 1 rad, in the first and last tick of a segment
     if (at_rest) expectNear(q, before, 1e-6);
     before = q;
   }

@@ -41,7 +41,7 @@ class RobotSide {
     opening_ = kinematics::jawOpening(q);
   }
 
-  /** What a packet carries: whole micrometres, and the quaternion's doubles. */
+  /** Takes a packet's content: whole micrometres, and the quaternion's doubles. */
   void receive(const TipIncrement& increment) {
     std::array<long, 3> um{};
     for (std::size_t i = 0; i < 3; ++i)
@@ -181,14 +181,14 @@ TEST(PathRelay, WhatAPacketCannotHoldComesInTheNext) {
 TEST(PathRelay, SendsNothingWhileThePathStandsStill) {
   PathRelay relay(raven(), kLimits);
   relay.start(Arm::kGreen, raven().home);
-  relay.advance(raven().home);  // what was cut off at the start
+  relay.advance(raven().home);  // sends the remainder of rounding at the start
   const TipIncrement increment = relay.advance(raven().home);
   EXPECT_EQ(increment.dp_I, Vec3{});
   EXPECT_LT(toEigen(increment.dq_I).vec().norm(), 1e-12);
 }
 
 TEST(PathRelay, SendsTheShortRotationWhereverTheOrientationIs) {
-  // GIVEN a whole turn of the roll and of the wrist's range: quaternions of the pose change their sign on the way
+  // GIVEN a full revolution of the roll, and the wrist's range: the pose's quaternion changes its sign in between
   for (const Arm arm : kArms) {
     for (const std::size_t joint : {kToolRotation, kWrist}) {
       PathRelay relay(raven(), kLimits);
@@ -249,7 +249,7 @@ TEST(RobotFollows, NotThroughAJointLimit) {
 
 TEST(RobotFollows, NotWhereTheWristComesTooNearToTheRemoteCentre) {
   JointArray near_centre = raven().home;
-  near_centre[2] = 0.465;  // the wrist is 470 mm along the shaft: 5 mm of 13
+  near_centre[2] = 0.465;  // the remote centre is at 470 mm: 5 mm away, less than 13
   EXPECT_FALSE(robotFollows(raven(), kLimits, kNoLead, edgeTo(near_centre)));
   near_centre[2] = 0.44;
   EXPECT_TRUE(robotFollows(raven(), kLimits, kNoLead, edgeTo(near_centre)));

@@ -46,7 +46,7 @@ double turnBetween(const Matrix3& a, const Matrix3& b) {
   return Eigen::AngleAxisd(Matrix3(a * b.transpose())).angle();
 }
 
-/** An arm whose mapping takes every set point; the test is the client. */
+/** An arm whose mapping accepts every set point; the test is the client. */
 class ServoTargetTest : public ::testing::TestWithParam<Arm> {
  protected:
   ServoTargetTest() : arm(GetParam()), geometry(raven()), target(limits(), geometry, arm) {
@@ -93,7 +93,7 @@ class ServoTargetTest : public ::testing::TestWithParam<Arm> {
     return {Eigen::AngleAxisd(turn, Vector3::UnitZ()) * target.pose().R, target.pose().p + by};
   }
 
-  /** A tick of which the mapping takes everything; watches how fast it was. */
+  /** A tick in which the mapping accepts the whole set point. Records the speeds. */
   void tick() {
     target.keepTo(target.pose(), q, target.opening());
     const Pose before = target.pose();
@@ -122,7 +122,7 @@ class ServoTargetTest : public ::testing::TestWithParam<Arm> {
     return ticks;
   }
 
-  /** Roll one way, the jaws' line the other. */
+  /** Roll and the jaws' line rotated in opposite directions. */
   Pose bentOtherwise(double roll) const {
     JointArray to = bent;
     to[kToolRotation] += roll;
@@ -225,7 +225,7 @@ TEST_P(ServoTargetTest, MillimetresForMetresAreTooFar) {
   EXPECT_NEAR(pushed.value, 0.03, 1e-12);
   EXPECT_EQ(joints(ServoKind::kServoJointsBy, {0.0, 0.0, 0.0, 0.5, 0.0, 0.0}).reason, ServoRefusal::kTooFar);
   tick(100);
-  EXPECT_EQ(target.pose().p, before.p) << "what is refused moves nothing";
+  EXPECT_EQ(target.pose().p, before.p) << "a refused command moves nothing";
   EXPECT_FALSE(target.hasGoal());
 }
 
@@ -290,8 +290,9 @@ TEST_P(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
   EXPECT_EQ(pose(ServoKind::kServoPose, poseOf(past)).reason, ServoRefusal::kUnreachable);
 }
 
-/** With the wrist point within lw, 13 mm, of the remote centre, which is at 470 mm of insertion, nobody's does. The
- * robot's stops at the first of two points, which past the centre is lw beyond the tip: there it does up to 509 mm. */
+/** With the wrist point within lw, 13 mm, of the remote centre, every inverse gives up. The centre is at 470 mm of
+ * insertion. The robot's inverse gives up at the first of two points. Past the centre, this point is lw beyond the
+ * tip, so that the robot's inverse gives up until 509 mm. */
 TEST_P(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
   const auto inserted = [this](double metres) {
     ServoJoints to = servoJoints(q);
@@ -303,20 +304,20 @@ TEST_P(ServoTargetTest, JointsOnWhoseWayAnInverseGivesUpAreUnreachable) {
   EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.46)).reason, ServoRefusal::kUnreachable);
   EXPECT_EQ(joints(ServoKind::kServoJointsBy, {0.0, 0.0, 0.019, 0.0, 0.0, 0.0}).reason, ServoRefusal::kUnreachable);
   EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.47)).reason, ServoRefusal::kUnreachable);
-  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.55)).reason, ServoRefusal::kUnreachable) << "behind it";
+  EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.55)).reason, ServoRefusal::kUnreachable) << "past the centre";
   EXPECT_FALSE(target.isMoving());
   EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.30)).reason, ServoRefusal::kNone);
   EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.55)).reason, ServoRefusal::kUnreachable)
-      << "from where that ends";
+      << "from the end of the queued move";
   target.hold();
   EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.43)).reason, ServoRefusal::kNone);
   target.hold();
   EXPECT_EQ(target.pose().p, before.p);
   standAt({0.6, 1.4, 0.515, 0.3, 0.2, 0.5, 0.9});
-  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.50)).reason, ServoRefusal::kUnreachable) << "the robot's";
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.50)).reason, ServoRefusal::kUnreachable) << "for the robot";
   EXPECT_EQ(joints(ServoKind::kMoveJoints, inserted(0.56)).reason, ServoRefusal::kNone) << "to its very limit";
   standAt({0.6, 1.4, 0.47, 0.3, 0.2, 0.5, 0.9});
-  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.486)).reason, ServoRefusal::kUnreachable) << "nor out of it";
+  EXPECT_EQ(joints(ServoKind::kServoJoints, inserted(0.486)).reason, ServoRefusal::kUnreachable) << "nor away from it";
 }
 
 TEST_P(ServoTargetTest, AnyWayInJointsAwayFromTheRemoteCentreIsTaken) {
@@ -375,7 +376,7 @@ TEST_P(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   EXPECT_LT(top_speed, 0.04 * 1.01);
   EXPECT_LT(top_turn_rate, 0.5 * 1.01);
   EXPECT_LT(fastest, 0.5 * 1.01);
-  EXPECT_GT(std::max({top_speed / 0.04, top_turn_rate / 0.5, fastest / 0.5}), 0.9) << "no slower than need be";
+  EXPECT_GT(std::max({top_speed / 0.04, top_turn_rate / 0.5, fastest / 0.5}), 0.9) << "no slower than necessary";
 }
 
 TEST_P(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
@@ -387,8 +388,8 @@ TEST_P(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
   EXPECT_LT((target.pose().R - from.R).norm(), 1e-12);
 }
 
-/** With the wrist bent, roll and jaws' line turn about axes that are near each other: one against the other turns the
- * tip less than either. */
+/** With the wrist bent, the axes of roll and of the jaws' line are near each other. One rotated against the other
+ * rotates the tip less than either alone. */
 TEST_P(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
   double slowest = 10.0, fastest = 0.0;  // [rad/s]
   for (const Vec3& axis : {Vec3{1.0, 0.0, 0.0}, Vec3{0.0, 1.0, 0.0}, Vec3{0.0, 0.0, 1.0}}) {
@@ -400,8 +401,8 @@ TEST_P(ServoTargetTest, NoJointIsFasterThanAllowedOnAStraightWayEither) {
     slowest = std::min(slowest, top_turn_rate);
     fastest = std::max(fastest, top_joint_rate);
   }
-  EXPECT_LT(slowest, 1.9) << "or none was held back";
-  EXPECT_GT(fastest, 1.99) << "no slower than need be";
+  EXPECT_LT(slowest, 1.9) << "or no joint was slowed down";
+  EXPECT_GT(fastest, 1.99) << "no slower than necessary";
   // a servo_cp of the same kind gets there, later
   standAt(bent);
   top_joint_rate = 0.0;
@@ -425,8 +426,8 @@ TEST_P(ServoTargetTest, AMoveCpTakesTheTimeThatItsJointsNeed) {
   EXPECT_LT(top_joint_rate, 0.5 * 1.002);
   EXPECT_GT(top_joint_rate, 0.49);
   EXPECT_LT(turn_rate, 1e-2) << "to rest";
-  EXPECT_GT(seconds, 0.6 / 0.5) << "which roll needs at its highest rate";
-  EXPECT_GT(seconds, 1.1 * 15.0 / 8 * turn / 0.5) << "or no joint was held back";
+  EXPECT_GT(seconds, 0.6 / 0.5) << "the time of roll at its highest rate";
+  EXPECT_GT(seconds, 1.1 * 15.0 / 8 * turn / 0.5) << "or no joint was slowed down";
 }
 
 TEST_P(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
@@ -637,7 +638,7 @@ TEST_P(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
     tick(50);
   }
   EXPECT_LT(q[kInsertion], 0.56);
-  EXPECT_GT(q[kInsertion], 0.5599) << "5.5 mm further, 12.5 asked for";
+  EXPECT_GT(q[kInsertion], 0.5599) << "5.5 mm further, 12.5 commanded";
 }
 
 TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
@@ -649,7 +650,7 @@ TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
     ASSERT_LT((target.pose().p - from.p).norm(), 3.1e-4);
   }
   tick(200);
-  EXPECT_LT((target.pose().p - from.p - Vector3(0.015, 0.0, 0.0)).norm(), 1e-9) << "once it is taken again";
+  EXPECT_LT((target.pose().p - from.p - Vector3(0.015, 0.0, 0.0)).norm(), 1e-9) << "once the mapping accepts it";
 }
 
 TEST_P(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
@@ -830,7 +831,7 @@ TEST_P(ServoTargetTest, TheShortestMoveTakesAFifthOfASecond) {
 }
 
 TEST_P(ServoTargetTest, AMoveOfTheRollTakesTheTimeOfItsAngleEitherWayUpToARevolution) {
-  // as far as 170 degrees the tip turns by what the roll does
+  // up to 170 degrees the tip rotates by the angle of the roll
   for (const double roll : {-170.0, -130.0, 130.0, 170.0}) {
     standAt({0.6, 1.4, 0.35, -0.5 * roll * kDegree, 0.0, 0.5, 0.9});
     ServoJoints to = servoJoints(q);

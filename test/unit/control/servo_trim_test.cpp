@@ -12,7 +12,7 @@ namespace {
 
 constexpr JointArray kAsked{0.5, 1.6, 0.4, 0.1, -0.2, 0.7, 0.6};
 
-/** Joints that dry friction stops short of what they are asked for, and that creep once they are pushed beyond it. */
+/** Joints that dry friction stops short of their targets, and that creep once they are pushed beyond it. */
 struct StickyRobot {
   ServoTrim::Joints friction{1.2e-3, 3.5e-3, 3.4e-4};  ///< [rad, rad, m] over its kp
   JointArray q{};

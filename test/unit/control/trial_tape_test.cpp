@@ -76,7 +76,7 @@ TEST(TrialTape, AClutchLeavesNoStep) {
   EXPECT_EQ(tape.at(50.0).q_d[0][0], 1.0);
   EXPECT_NEAR(tape.at(100.0).q_d[0][0], 0.5, 1e-9);
   EXPECT_EQ(tape.at(150.0).q_d[0][0], 0.0);
-  EXPECT_EQ(tape.at(60.0).tip_B[0][0], 0.0) << "tips stay what they were";
+  EXPECT_EQ(tape.at(60.0).tip_B[0][0], 0.0) << "tip positions do not change";
 }
 
 TEST(TrialTape, AClutchWhileOneIsStillSpreadLeavesNoStepEither) {
@@ -176,7 +176,7 @@ TEST(TapeExecution, LeadsBothArmsFromWhereTheyStand) {
   execution.start(tape, {JointArray{7.0}, JointArray{-3.0}});
   for (int i = 0; i < 100; ++i)
     execution.tick(true);
-  EXPECT_NEAR(execution.desired().q_d[0][0], 3.5, 1e-9) << "half of the way after half of the hold";
+  EXPECT_NEAR(execution.desired().q_d[0][0], 3.5, 1e-9) << "half of the distance after half of the hold";
   EXPECT_NEAR(execution.desired().q_d[1][0], -1.5, 1e-9);
 }
 
@@ -184,7 +184,7 @@ TEST(TapeExecution, HoldsThenPlaysInItsOwnTimeThenRests) {
   const TrialTape tape = tapeOf(300);
   TapeExecution execution(configuration());
   TrialSample from = sampleOf(0.0);
-  from.q_d[0][1] = 0.4;  // off where the tape begins
+  from.q_d[0][1] = 0.4;  // away from the start of the tape
   execution.start(tape, from.q_d);
   EXPECT_EQ(execution.desired().q_d, from.q_d);
   double before = 0.4;

@@ -15,10 +15,10 @@ TEST(ByteWriter, LeavesWhatIsBehindTheEndAloneAndSaysSo) {
   EXPECT_FALSE(out.overflow());
   out.put(std::uint32_t{0x55555555});
   EXPECT_TRUE(out.overflow());
-  EXPECT_EQ(out.size(), 4U) << "none of a value that does not fit";
+  EXPECT_EQ(out.size(), 4U) << "no part of a value that does not fit";
   out.put(std::uint16_t{0x0605});
   EXPECT_EQ(out.size(), 6U);
-  EXPECT_TRUE(out.overflow()) << "for good";
+  EXPECT_TRUE(out.overflow()) << "permanently";
   EXPECT_EQ(bytes, (std::array<std::uint8_t, 8>{1, 2, 3, 4, 5, 6, 0xEE, 0xEE}));
 }
 
@@ -30,7 +30,7 @@ TEST(ByteReader, GivesZeroFromTheFirstValueThatIsNotWholeOn) {
   EXPECT_FALSE(in.underflow());
   EXPECT_EQ(in.get<std::uint32_t>(), 0U);
   EXPECT_TRUE(in.underflow());
-  EXPECT_EQ(in.get<std::uint8_t>(), 0U) << "a field behind a cut is no field";
+  EXPECT_EQ(in.get<std::uint8_t>(), 0U) << "a field beyond the end reads as zero";
   EXPECT_EQ(in.left(), 0U);
 }
 

@@ -11,7 +11,7 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInf = std::numeric_limits<double>::infinity();
 
-/** A fault of every number that its kind uses, in the middle of each range. */
+/** A fault with every number that its kind uses in the middle of its range. */
 Fault faultOf(FaultVariable variable, FaultKind kind) {
   Fault fault;
   fault.id = 1;
@@ -26,7 +26,7 @@ Fault faultOf(FaultVariable variable, FaultKind kind) {
   return fault;
 }
 
-/** A number of a fault, its lowest and highest sound value (doc/hazards.md, core/fault_variables.h). */
+/** A number of a fault, with its lowest and highest valid value (doc/hazards.md, core/fault_variables.h). */
 struct Range {
   const char* what;
   Fault fault;
@@ -93,7 +93,7 @@ TEST(Fault, IsSoundUpToAMillionHoursOfEachTimeAndNeverWithANegativeOne) {
     }
   }
   Fault fault = faultOf(FaultVariable::kDac, FaultKind::kRamp);
-  for (const std::int64_t sign : {-1, 1}) {  // one that was due long ago is sound
+  for (const std::int64_t sign : {-1, 1}) {  // a fault that was due long ago is valid
     fault.first_tick = sign * kLongest;
     EXPECT_TRUE(isSound(fault));
     fault.first_tick = sign * (kLongest + 1);

@@ -55,7 +55,7 @@ TEST(ModeTraits, AreWhatThePageSays) {
   EXPECT_EQ(rowsOfPage(), rowsOfTraits());
 }
 
-// What moves the robot moves the model with it in a world that they meet, and where a plan is shown it may be kept.
+// A mode that moves the robot lets the model meet the scene, and a mode that follows a plan may keep it.
 TEST(ModeTraits, GoTogether) {
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     const ModeTraits t = traitsOf(static_cast<Mode>(mode));

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::int64_t kMillisecond = 1000000;
 
-/** Hands that keep what they see, and hold the pedals they are told to. */
+/** Simulated surgeon that keeps the images it receives and holds the requested pedals. */
 struct Hands : console::MotionSource {
   struct Told {
     std::optional<Sight> seen;
@@ -53,7 +53,7 @@ class ConsoleOnSockets : public ::testing::Test {
     return std::make_unique<ConsoleRunner>(config, std::make_unique<Hands>(&told));
   }
 
-  /** Everything that was sent is in the socket's queue: on the loopback interface once send() returns. */
+  /** On the loopback interface, everything sent is in the socket's queue once send() returns. */
   void tick(ConsoleRunner* console, int times = 1) {
     for (int i = 0; i < times; ++i)
       console->tick(now_ns += kMillisecond);
@@ -93,7 +93,7 @@ TEST_F(ConsoleOnSockets, PicturesAreTakenOrCountedByWhyNot) {
   EXPECT_TRUE(counts.addsUp());
   ASSERT_TRUE(told.seen.has_value());
   EXPECT_EQ(told.seen->tick, 106);
-  EXPECT_EQ(console->forceCounts().received, 0U) << "each link has counts of its own";
+  EXPECT_EQ(console->forceCounts().received, 0U) << "each link has its own counts";
 }
 
 TEST_F(ConsoleOnSockets, AFloodOfPicturesTakesABoundedPartOfATick) {
@@ -186,13 +186,13 @@ TEST_F(ConsoleOnSockets, PedalsThatADaemonOfSignedItpRefusesAreTold) {
     const auto console = makeConsole();
     told.pedals = 0;
     tick(console.get(), 20);
-    EXPECT_FALSE(console->pedalsRefused()) << "none is held";
+    EXPECT_FALSE(console->pedalsRefused()) << "no pedal is held";
     told.pedals = bit(Pedal::kCamera);
     tick(console.get(), 20);
     EXPECT_EQ(console->pedalsRefused(), auth == ItpAuth::kRequired);
   }
   std::filesystem::remove(path);
-  ::prctl(PR_SET_DUMPABLE, 1);  // of the key no core dump is made
+  ::prctl(PR_SET_DUMPABLE, 1);  // using the key turned core dumps off
 }
 
 TEST_F(ConsoleOnSockets, SeesWhatTheDaemonShows) {

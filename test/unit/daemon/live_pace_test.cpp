@@ -22,7 +22,7 @@ RenderConfig configured(int fps = 30, int slowest = 10, double smallest = 0.5, d
 /** [s] of a frame at a level, `time` [s] after the start. */
 using Load = std::function<double(const LiveLevel& level, double time)>;
 
-/** Drawing that takes so long for a whole picture, a tenth of it whatever the size. */
+/** Drawing takes `whole` [s] for a whole picture; a tenth of that time does not depend on the size. */
 Load byPixels(double whole) {
   return [whole](const LiveLevel& level, double) { return whole * (0.1 + 0.9 * level.scale * level.scale); };
 }
@@ -82,7 +82,7 @@ TEST(LivePace, ItGoesDownAsFarAsFramesNeedAndNoFurther) {
     LivePace pace(configured());
     const std::vector<Change> changes = run(&pace, byPixels(whole), 120.0);
     EXPECT_EQ(pace.lowered(), level) << whole;
-    EXPECT_EQ(changes.size(), level) << whole << ": each step once, none back";
+    EXPECT_EQ(changes.size(), level) << whole << ": each step once, no step back";
   }
 }
 
@@ -111,7 +111,7 @@ TEST(LivePace, ItRecoversALevelAtATimeOnceThereIsRoom) {
   EXPECT_EQ(pace.lowered(), 0U);
 }
 
-/** Every constant load, noise of 10 % included: what was left is not come back to. */
+/** Under any constant load with 10 % noise, the pace never returns to a level that it left. */
 TEST(LivePace, AConstantLoadNeverOscillates) {
   std::mt19937 random(3);
   std::normal_distribution<double> noise(1.0, 0.1);
@@ -128,13 +128,13 @@ TEST(LivePace, AConstantLoadNeverOscillates) {
   }
 }
 
-/** A load that draws back whenever the picture grows is answered less and less often. */
+/** If the load rises whenever the picture grows, the pace tries a larger picture less and less often. */
 TEST(LivePace, AnAdverseLoadChangesItSeldom) {
   LivePace pace(configured());
   const Load adverse = [&pace](const LiveLevel&, double) { return pace.lowered() == 0 ? 0.05 : 0.01; };
   const std::vector<Change> changes = run(&pace, adverse, 1800.0);
   EXPECT_LE(changes.size(), 2U * (1800U / 60U + 6U)) << "a rise and a fall a minute, once the wait has grown";
-  EXPECT_GE(changes.size(), 10U) << "it does not give up either";
+  EXPECT_GE(changes.size(), 10U) << "but it still tries";
 }
 
 /** A level that has lasted for a minute was right: after the next fall the wait is as short as after the first. */
@@ -153,7 +153,7 @@ TEST(LivePace, AfterAMinuteAboveTheWaitIsShortAgain) {
   const std::vector<Change> soon = run(&pace, calm, 20.0);
   ASSERT_EQ(soon.size(), 1U);
   EXPECT_EQ(soon[0].level, 0U);
-  EXPECT_GT(soon[0].time, 2.4) << "settle, less half a second that was calm before";
+  EXPECT_GT(soon[0].time, 2.4) << "settle, less half a second of calm before";
   EXPECT_LT(soon[0].time, 4.5);
 }
 

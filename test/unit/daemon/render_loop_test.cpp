@@ -83,7 +83,7 @@ class RenderLoopTest : public ::testing::Test {
 
   void setPicture(PictureFault fault) { state_.faults.picture = static_cast<std::uint8_t>(fault); }
 
-  /** As the planner answers: the cell first, then the state of that tick. */
+  /** Answers as the planner does: first the plan cell, then the state of that tick. */
   void answer(const PlanResult& plan, PlanningStatus status) {
     shared_->last_plan.store(plan);
     state_.planning.status = status;
@@ -135,14 +135,14 @@ TEST_F(RenderLoopTest, TheSameIdWithAnotherPathIsDrawnAnew) {
 
 TEST_F(RenderLoopTest, TheVirtualPictureStandsInForTheCamerasWhileThatIsSilentAndSaysSo) {
   const Picture virtual_one = frame();
-  EXPECT_TRUE(is_view_) << "it is what is asked for";
+  EXPECT_TRUE(is_view_) << "the virtual view is selected";
   state_.view = 1;
   const Picture marked = frame();
-  EXPECT_TRUE(is_view_) << "the camera was never heard";
+  EXPECT_TRUE(is_view_) << "no image has come from the camera";
   EXPECT_NE(marked, virtual_one);
-  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // never silent
   EXPECT_EQ(frame(), virtual_one);
-  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  EXPECT_FALSE(is_view_) << "the camera's images are shown";
   state_.view = 0;
   frame();
   EXPECT_TRUE(is_view_);
@@ -195,20 +195,20 @@ TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
 
 TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughTheLastOneIsFrozen) {
   state_.view = 1;
-  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // heard until the end of time
+  shared_->real_picture_ns.store(std::numeric_limits<std::int64_t>::max());  // never silent
   const Picture last = frame();
   EXPECT_FALSE(is_view_);
   state_.tick += 33;
   setPicture(PictureFault::kFrozen);
   state_.view = 0;
   EXPECT_EQ(frame(), last);
-  EXPECT_TRUE(is_view_) << "it is asked for, as old as it is";
+  EXPECT_TRUE(is_view_) << "it is selected, although it is old";
   EXPECT_EQ(tick_, kTick);
   state_.view = 1;
   frame();
-  EXPECT_FALSE(is_view_) << "the camera's own are shown";
+  EXPECT_FALSE(is_view_) << "the camera's images are shown";
   shared_->real_picture_ns.store(0);
-  EXPECT_NE(frame(), last) << "that it is not the one that was asked for is said on a frozen picture, too";
+  EXPECT_NE(frame(), last) << "a frozen picture is also marked as not the selected one";
   EXPECT_TRUE(is_view_);
   EXPECT_EQ(tick_, kTick);
 }
@@ -222,7 +222,7 @@ TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
   state_.view = 0;
   frame();
   EXPECT_TRUE(is_view_);
-  EXPECT_EQ(tick_, kTick) << "what is seen is late";
+  EXPECT_EQ(tick_, kTick) << "the picture is late";
 }
 
 TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
@@ -282,7 +282,7 @@ TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
   run(1);
   EXPECT_EQ(drawn_, 1) << "the first at once";
   run(249);
-  EXPECT_EQ(drawn_, 10) << "of ten seconds";
+  EXPECT_EQ(drawn_, 10) << "one a second";
   EXPECT_EQ(shared_->live_picture.load().frames, 10U);
   EXPECT_EQ(shared_->frames.value(), 10U);
   EXPECT_EQ(shared_->live_picture.load().watched, 0);
@@ -290,7 +290,7 @@ TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
   EXPECT_EQ(drawn_, 11);
   shared_->picture_watched.store(1);
   run(1);
-  EXPECT_EQ(drawn_, 12) << "the first for who comes, at once";
+  EXPECT_EQ(drawn_, 12) << "the first for a new viewer, at once";
   run(25);
   EXPECT_EQ(drawn_, 37);
   EXPECT_EQ(shared_->live_picture.load().watched, 1);
@@ -299,10 +299,10 @@ TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
   EXPECT_EQ(drawn_, 37);
   shared_->stereo_watched.store(1);
   run(1);
-  EXPECT_EQ(drawn_, 40) << "who looks at both eyes looks";
+  EXPECT_EQ(drawn_, 40) << "a viewer of both eyes counts";
 }
 
-/** So that what is seen does not depend on who looked before. */
+/** The picture must not depend on earlier viewers. */
 TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
   frame();
   shared_->picture_watched.store(0);
@@ -329,7 +329,7 @@ TEST_F(RenderLoopTest, PicturesThatNobodyLooksAtSayNothingOfTheirPace) {
   shared_->picture_watched.store(1);
   for (int i = 0; i < 5; ++i)
     frame();
-  EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same, looked at";
+  EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same load with a viewer";
 }
 
 TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWithIt) {
@@ -340,7 +340,7 @@ TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWit
   const auto show = [&](const LiveImage& image) {
     cameras.push_back(image.camera);
     sizes.push_back(image.rgb.size());
-    now_ns_ += 20'000'000;  // longer than the 8 ms that there are
+    now_ns_ += 20'000'000;  // longer than the 8 ms of a period
   };
   RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
   shared_->model.store(state_);
@@ -362,7 +362,7 @@ TEST_F(RenderLoopTest, FramesThatTakeTooLongMakeThePictureSmallerAndItsCameraWit
   EXPECT_DOUBLE_EQ(cameras.back().cx, (told.width - 1) / 2.0);
 }
 
-/** They cost nothing: counted, they would raise what has to come down again once there is something to be seen. */
+/** Black pictures take no time. If they counted, the size would rise, and fall again with the next scene picture. */
 TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
   takes_ns_ = 200'000'000;
   while (drawn_ < 100 && shared_->live_picture.load().level < 3)
@@ -377,10 +377,10 @@ TEST_F(RenderLoopTest, BlackPicturesSayNothingOfTheirPace) {
   setPicture(PictureFault::kNone);
   for (int i = 0; i < kFrames; ++i)
     frame();
-  EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same, seen";
+  EXPECT_LT(shared_->live_picture.load().level, 3U) << "the same load with visible pictures";
 }
 
-/** The eyes alone take longer than the period, the live camera's picture by far not. */
+/** Drawing both eyes takes longer than the period. The live camera's picture takes far less. */
 TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   TrainerConfig config = config_;
   config.render.live_fps = config.render.live_slowest = 10;
@@ -398,7 +398,7 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   loop.frame();
   const LivePicture told = shared_->live_picture.load();
   EXPECT_EQ(told.level, 1U);
-  EXPECT_EQ(told.frames, cameras.size() / 2) << "a frame is one, with all its eyes";
+  EXPECT_EQ(told.frames, cameras.size() / 2) << "both eyes count as one frame";
   ASSERT_GE(cameras.size(), 4U);
   for (const model::Camera& camera : {cameras[cameras.size() - 2], cameras.back()}) {
     EXPECT_EQ(camera.width, told.width);
@@ -407,7 +407,7 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   EXPECT_LT(told.width, config.render.live_width);
 }
 
-/** On a thread of the daemon's: what leaves it ends the process. */
+/** The renderer runs on a thread of the daemon: an exception that leaves it would end the process. */
 TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
   const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
                                                     [] { throw std::runtime_error("of who takes the pictures"); },
@@ -427,7 +427,7 @@ TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
         make, [&](double) { return ++waits > 100; }, shared_.get());
     EXPECT_EQ(shown, 3U);
     EXPECT_EQ(shared_->live_picture.load().failed, 1);
-    EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "what there was before is still told";
+    EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "the earlier frames are still reported";
   }
 }
 

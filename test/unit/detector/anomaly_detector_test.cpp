@@ -77,10 +77,10 @@ const Verdict& stepAt(AnomalyDetector* detector, std::size_t axis, int velocity,
 }
 
 TEST(Acceleration, IsNewtonsLawWithFriction) {
-  // GIVEN 0.25 Nm on an axis that turns at 10 rad/s THEN (0.25 - 0.002 * 10 - 0.05) / 4e-4 = 450 rad/s2
+  // GIVEN 0.25 Nm on an axis at 10 rad/s THEN (0.25 - 0.002 * 10 - 0.05) / 4e-4 = 450 rad/s2
   EXPECT_NEAR(acceleration(plainAxis(), 0.25, 10.0, JointArray{}), 450.0, 1e-9);
   EXPECT_NEAR(acceleration(plainAxis(), -0.25, -10.0, JointArray{}), -450.0, 1e-9);
-  // and friction brakes what coasts: -(0.02 + 0.05) / 4e-4
+  // and friction brakes a coasting axis: -(0.02 + 0.05) / 4e-4
   EXPECT_NEAR(acceleration(plainAxis(), 0.0, 10.0, JointArray{}), -175.0, 1e-9);
 }
 
@@ -102,7 +102,7 @@ TEST(Acceleration, GravityIsLinearInTheJoints) {
   EXPECT_NEAR(acceleration(axis, 0.24 + 0.09, 0.0, q), 100.0, 1e-9);
 }
 
-/** Steps of one after as many calm ones as the memory has. */
+/** A suspicion after one suspicious step; the steps before it, a whole memory of them, were calm. */
 Suspicion roused(const DetectorConfig& config) {
   Suspicion suspicion(config);
   for (int k = 0; k < 200; ++k)
@@ -156,7 +156,7 @@ TEST(AnomalyDetector, UnderSuspicionWhatTheMotorTravelsCountsThoughItStandsStill
     for (int k = 0; k < 300; ++k)
       detector.step(now);
     for (int k = 0; k < 60; ++k) {
-      now.dac[0][kShoulder] = 2400 - 40 * k;  // the law gives way as it sees the motion: 40 at last, less than friction
+      now.dac[0][kShoulder] = 2400 - 40 * k;  // the law reduces it with the motion: 40 in the end, less than friction
       detector.step(now);
       now.motor[0][kShoulder] += 10 * kCount;
     }
@@ -166,9 +166,9 @@ TEST(AnomalyDetector, UnderSuspicionWhatTheMotorTravelsCountsThoughItStandsStill
     return detector.excursion(Arm::kGold);
   };
   const double radius = std::hypot(0.077947, 0.025266);  // as above
-  // THEN the tip is taken to be off by all 600 counts
+  // THEN the tip is assumed to be off by all 600 counts
   EXPECT_NEAR(excursionAfter(0.3), 600 * kCount / 136.19625551 * radius, 1e-6);
-  // and without suspicion by what the mean has forgotten of it alone
+  // and without suspicion only by the part that the mean has forgotten
   EXPECT_LT(excursionAfter(100.0), 100 * kCount / 136.19625551 * radius);
 }
 
@@ -207,7 +207,7 @@ TEST(AnomalyDetector, PublishedRuleKnowsOfNoOtherJoint) {
   Observation now = atHome();
   for (int k = 0; k < 50; ++k) {
     now.motor[0][kElbow] = 40 * k * kCount;
-    now.dac[0][kElbow] = 400;  // what friction takes at 63 rad/s, about
+    now.dac[0][kElbow] = 400;  // about the friction at 63 rad/s
     now.dac[0][kShoulder] = k == 49 ? 2000 : 0;
     EXPECT_FALSE(detector.step(now).alarm) << k;
   }
@@ -328,7 +328,7 @@ Drives anyDrives(Random* random) {
     for (double& torque : arm)
       torque *= random->uniform(0.5, 2.0) * (random->next() % 2 == 0 ? 1.0 : -1.0);
   }
-  drives.joint_per_motor[1][0] = 1e-3;  // cables couple what comes behind to what comes before
+  drives.joint_per_motor[1][0] = 1e-3;  // cables couple an axis to the axes before it
   drives.joint_per_motor[2][0] = -4e-5;
   drives.joint_per_motor[2][1] = 7e-5;
   drives.position_gain = {0.3, 0.25, 0.15};
@@ -422,7 +422,7 @@ double tipPerMotor(const Drives& drives, const Case& c, const JointArray& q) {
   return (kinematics::forward(drives.geometry, c.arm, above).p - from).norm() / (2.0 * kStep);
 }
 
-/** A command of one axis at rest, as a torque [Nm] beyond load; the others have what their load takes. */
+/** A command of one axis at rest, as a torque [Nm] beyond load; the other axes get the torque of their load. */
 std::int32_t commandFor(const DetectorConfig& config,
                         const Drives& drives,
                         Arm arm,

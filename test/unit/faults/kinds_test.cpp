@@ -39,7 +39,7 @@ FaultEngine armed(const std::vector<Fault>& faults) {
   return engine;
 }
 
-/** What becomes of 10, 11, 12, ... */
+/** The values that the fault makes of 10, 11, 12, ... */
 std::vector<double> seriesOf(const Fault& fault, int count = 10) {
   FaultEngine engine = armed({fault});
   std::vector<double> out;
@@ -241,14 +241,14 @@ TEST(PacketFaults, AScaledTurnIsTheSameAxisAndAnotherAngle) {
   EXPECT_EQ(faultedRotation(&engine, Arm::kGreen, q), q) << "the other arm, to the bit";
 }
 
-/** x, y, z, w of a turn by `angle` [rad] about `axis`. */
+/** x, y, z, w of a rotation by `angle` [rad] about `axis`. */
 Quat quaternionOf(const Vec3& axis, double angle) {
   const double s = std::sin(angle / 2.0);
   return {axis[0] * s, axis[1] * s, axis[2] * s, std::cos(angle / 2.0)};
 }
 
 TEST(PacketFaults, AScaledTurnIsThatOfTheShorterWayRoundForBothArms) {
-  // GIVEN any turn of less than half a revolution, as its quaternion and as the negative of it, which is the same turn
+  // GIVEN any rotation of less than half a revolution, as its quaternion and as the negative, the same rotation
   Random random(13);
   for (const Arm arm : kArms) {
     FaultEngine engine = onStream(FaultVariable::kTurn, FaultKind::kScale, 0.5, -1, arm);
@@ -277,7 +277,7 @@ TEST(PacketFaults, ATurnAddedToWhatIsNoRotationIsThatTurn) {
   }
 }
 
-/** A command of which every number differs, and in all of which the two arms do. */
+/** A command in which all numbers differ, also between the two arms. */
 MasterCommand fullCommand(std::uint8_t pedal = kSurgeonsPedal) {
   MasterCommand command;
   command.sequence = 1000;

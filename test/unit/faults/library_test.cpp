@@ -1,4 +1,4 @@
-// The scenarios of config/faults in the engine: each does what its file says, when it says so.
+// The scenarios of config/faults in the engine: each acts as its file says, and at that time.
 
 #include <gtest/gtest.h>
 
@@ -98,7 +98,7 @@ class PlainReceiver {
   std::uint32_t last_{0};
 };
 
-/** What arrives of `packets` that do not move, the pedal down. */
+/** The receiver after `packets` packets without motion, with the pedal down. */
 PlainReceiver received(const std::string& name, std::uint32_t packets) {
   FaultEngine engine(FaultHost::kRelay);
   engine.setPlan(planOf(name));

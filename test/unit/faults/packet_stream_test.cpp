@@ -26,7 +26,7 @@ Fault onStream(FaultKind kind) {
 struct Out {
   int cycle;
   int sequence;
-  int um;  // of gold's x: what the packet moves
+  int um;  // motion of gold along x in the packet
   bool operator==(const Out& other) const {
     return cycle == other.cycle && sequence == other.sequence && um == other.um;
   }
@@ -135,7 +135,7 @@ TEST(PacketStream, ReordersWholeBlocksAndWhatIsLeftOfOne) {
   const std::vector<Out> all = through(fault, 40);
   EXPECT_TRUE(part(all, 5, 8).empty());
   EXPECT_EQ(part(all, 8, 9), (std::vector<Out>{{8, 8, 108}, {8, 7, 107}, {8, 6, 106}, {8, 5, 105}}));
-  // ten packets: two blocks, and two packets that come turned round when the fault ends
+  // ten packets: two blocks, and two packets that come in reverse order when the fault ends
   EXPECT_EQ(part(all, 12, 15).size(), 4U);
   EXPECT_EQ(part(all, 15, 16), (std::vector<Out>{{15, 15, 115}, {15, 14, 114}, {15, 13, 113}}));
   EXPECT_EQ(all.size(), 40U);
@@ -210,7 +210,7 @@ Fault atWork(FaultKind kind) {
 constexpr FaultKind kStreamKinds[] = {FaultKind::kDrop,   FaultKind::kDelay, FaultKind::kDuplicate, FaultKind::kReorder,
                                       FaultKind::kReplay, FaultKind::kForge, FaultKind::kHoldLast};
 
-/** Both arms, rotation, grasp and pedal: all that a packet moves, told from its number. */
+/** Both arms, rotation, grasp and pedal: all that a packet moves, derived from its number. */
 MasterCommand moving(int number) {
   MasterCommand command;
   command.sequence = static_cast<std::uint32_t>(number);
@@ -249,7 +249,7 @@ TEST(PacketStream, EveryPacketIsAccountedForWhateverActs) {
   }
 }
 
-/** What comes of packets from `number` on, one a cycle. @param[out] cycles in which each comes, if wanted. */
+/** The packets that come out for those from `number` on. @param[out] cycles in which each comes, if wanted. */
 std::vector<MasterCommand> follow(CommandStream* stream,
                                   FaultEngine* engine,
                                   int number,

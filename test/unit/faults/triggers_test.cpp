@@ -153,7 +153,7 @@ TEST(FaultTriggers, WhatIsNoPacketsBeginsWithOneAndLastsForCycles) {
   EXPECT_EQ(acting, (std::vector<int>{30, 31, 32}));
 }
 
-/** All beginnings and ends that an engine tells. */
+/** All beginnings (1) and ends (-1) that an engine reports. */
 std::vector<int> toldBy(FaultEngine* engine) {
   std::vector<int> told;
   FaultChange change;
@@ -311,7 +311,7 @@ TEST(FaultSessions, AFaultThatIsDueLaterIsAnotherOne) {
   EXPECT_EQ(actingCycles(engine, 10, [](int) { return FaultCycle{}; }), (std::vector<int>{2, 3, 4}));
 }
 
-/** What tells two rows of a plan apart: with any of it changed a fault is another one, and begins anew. */
+/** If any of these parts of a plan's row changes, the row is a different fault and starts again. */
 TEST(FaultSessions, AFaultWithAnyPartChangedIsAnotherOne) {
   const Fault fault = stuck(FaultTrigger::kHand, 0);
   std::vector<Fault> others(12, fault);

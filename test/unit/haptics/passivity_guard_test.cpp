@@ -80,8 +80,8 @@ TEST(PassivityGuard, AConstantForceGivesNothingForGood) {
     const double begun = std::min(1.0, k / 300.0);  // from where the hand rests when it begins
     guard.observe(start + begun * (wander.at(1e-3 * k) - start));
     guard.given({3.3, 0.0, 0.0}, true);
-    // THEN whatever went into the motion would come back on the way to where it began; only the forces still under way
-    // when it began cost something: at most 3.3 N over what the hand goes meanwhile
+    // THEN the energy put into the motion would come back if the hand returned to its start. Only the forces still
+    // under way at the start cost energy: at most 3.3 N over the hand's motion meanwhile
     ASSERT_EQ(guard.gain(), 1.0) << k;
   }
 }
@@ -135,7 +135,7 @@ TEST(PassivityGuard, NeverTakesTheWorkAtTheHandForLessWhateverTheDelayUpToItsBou
 }
 
 TEST(PassivityGuard, OfOneDelayAloneItIsTheWorkAtTheHand) {
-  // GIVEN no delay at all to reckon with, the sum is that of the definition
+  // GIVEN a delay of zero, the sum is that of the definition
   Random random(4);
   const Wander wander(&random);
   PassivityGuard guard(withoutLimit(withDelay(0.0)));
@@ -155,7 +155,7 @@ TEST(PassivityGuard, OfOneDelayAloneItIsTheWorkAtTheHand) {
 }
 
 TEST(PassivityGuard, AllowsNoMoreThanTheHandsDampingTookHoweverTheMotionArrives) {
-  // GIVEN a slow motion told in whole 10 um and in bunches of up to 12 ticks
+  // GIVEN a slow motion reported in whole 10 um and in bunches of up to 12 ticks
   Random random(5);
   for (int run = 0; run < 20; ++run) {
     const Wander wander(&random);
@@ -284,13 +284,13 @@ TEST(PassivityGuard, FadesTheForceOverTheSecondHalfOfItsBudget) {
     guard.observe({0.0, 0.0, 0.0});
     guard.given({1.0, 0.0, 0.0}, true);
     guard.observe({0.001, 0.0, 0.0});
-    guard.given({0.0, 1e-9, 0.0}, true);  // as good as none
+    guard.given({0.0, 1e-9, 0.0}, true);  // practically zero
     guard.observe({0.001, 0.0, 0.0});
     work += 0.001;
     const double expected = std::clamp((config.budget - work) / (0.5 * config.budget), 0.0, 1.0);
     ASSERT_NEAR(guard.energy(), work, 1e-9);
     ASSERT_NEAR(guard.gain(), expected, 1e-6) << cycle;
-    // what yields fades over the quarter before that
+    // the yielding force fades over the quarter before that
     const double yielding = std::clamp((0.5 * config.budget - work) / (0.25 * config.budget), 0.0, 1.0);
     ASSERT_NEAR(guard.yieldingGain(), work <= 0.25 * config.budget ? 1.0 : yielding, 1e-6) << cycle;
   }
@@ -373,7 +373,7 @@ TEST(PassivityGuard, StartedAnewWhileForcesActItForgetsThem) {
 }
 
 TEST(PassivityGuard, ForcesBeginTheirAccountWhereTheHandIs) {
-  // GIVEN a hand that went 0.5 m before the first force; THEN that way is neither motion nor somewhere to go back to
+  // GIVEN a hand that went 0.5 m before the first force THEN this counts neither as motion nor as a place to return to
   PassivityGuard guard(withDelay(0.0));
   for (int k = 0; k <= 5; ++k) {
     guard.observe({0.1 * k, 0.0, 0.0});
@@ -396,7 +396,7 @@ TEST(PassivityGuard, DoesNotStartAnewWhileTheLawStillAsks) {
   }
   for (int k = 0; k < 5000; ++k) {
     guard.observe({0.0, 0.0, 0.0});
-    guard.given(Vector3d::Zero(), true);  // nothing is given, but it would be
+    guard.given(Vector3d::Zero(), true);  // the force is zero, but the law asked for one
     ASSERT_EQ(guard.gain(), 0.0) << k;
   }
 }
@@ -417,7 +417,7 @@ TEST(PassivityGuard, SwitchedOffItSeesTheSameAndDoesNothing) {
     ASSERT_EQ(observer.gain(), 1.0);
     ASSERT_EQ(observer.yieldingGain(), 1.0);
   }
-  EXPECT_EQ(guard.gain(), 0.0) << "there was something to see";
+  EXPECT_EQ(guard.gain(), 0.0) << "the motion must use up the budget";
 }
 
 TEST(PassivityGuard, WhatIsNotFiniteIsNoMotion) {

@@ -73,12 +73,12 @@ TEST(PathGuidance, PastAnEndPullsToThatEnd) {
 }
 
 TEST(PathGuidance, LetsGoFarPastAnEndToo) {
-  // 24 mm past it and 18 mm beside: 30 mm from the path, half of the way from reach to its double
+  // 24 mm past the end and 18 mm to the side: 30 mm from the path, halfway between reach and twice the reach
   EXPECT_NEAR((pathGuidance(kConfig, kStraight, {0.124, 0.018, 0.0}) - Vector3d(-0.4, -0.3, 0.0)).norm(), 0.0, 1e-12);
   EXPECT_EQ(pathGuidance(kConfig, kStraight, {0.141, 0.004, 0.0}), Vector3d::Zero());
 }
 
-/** [J] of the force on the straight way from a to b, per metre of the tip: Simpson's rule. */
+/** [J] of the force on the straight line from a to b, per metre of the tip: Simpson's rule. */
 double workBetween(const GuidePath& path, const Vector3d& a, const Vector3d& b, int steps) {
   double work = 0.0;
   for (int i = 0; i < steps; ++i) {
@@ -99,7 +99,7 @@ double workAround(const GuidePath& path, const std::vector<Vector3d>& corners, i
   return work;
 }
 
-/** [J] Independent of the law's direction: what the size adds up to over the distance. Midpoint rule. */
+/** [J] Independent of the law's direction: the size of the force integrated over the distance. Midpoint rule. */
 double potential(double distance) {
   constexpr int kSteps = 4000;
   double sum = 0.0;
@@ -113,7 +113,7 @@ double potential(double distance) {
 constexpr double kQuadrature = 2e-8;  // [J] of some mJ on each side of a loop
 
 TEST(PathGuidance, GivesNothingOnAClosedWayAroundAnEnd) {
-  // GIVEN beside the path and back past its end: a force across the path alone would give 0.3 N over some 10 mm there
+  // GIVEN a loop next to the path and back past its end: a force across the path alone would give 0.3 N over some 10 mm
   const std::vector<Vector3d> around{{0.095, 0.003, 0.0}, {0.095, 0.012, 0.0}, {0.12, 0.012, 0.0}, {0.12, 0.003, 0.0}};
   EXPECT_NEAR(workAround(kStraight, around), 0.0, kQuadrature);
   const std::vector<Vector3d> far{{0.09, 0.001, 0.0}, {0.09, 0.035, 0.0}, {0.135, 0.03, 0.0}, {0.135, 0.001, 0.0}};
@@ -121,11 +121,12 @@ TEST(PathGuidance, GivesNothingOnAClosedWayAroundAnEnd) {
 }
 
 TEST(PathGuidance, GivesNothingOnAnyClosedWay) {
-  // GIVEN polygons of anywhere about a straight path, a kinked and a curved one: ends, inner corners and fading, too
+  // GIVEN polygons anywhere around a straight, a kinked and a curved path, also at ends, inner corners and the fading
   const GuidePath kinked = pathOf({{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}, {0.05, 0.03, 0.0}});
   const GuidePath circle = quarterCircle();
-  // Where two points of a path are equally near, the direction jumps: 2 N at most over a step of 12 um of the kinked
-  // one, at one place of each side of a polygon; 1 N times 6 mrad over 0.1 mm at some of the curve's 254 corners.
+  // Where two points of a path are equally near, the direction jumps. On the kinked path: 2 N at most over a step of
+  // 12 um, at one place of each side of a polygon. On the curve: 1 N times 6 mrad over 0.1 mm, at some of its 254
+  // corners.
   struct Case {
     const GuidePath* path;
     int steps;
@@ -166,7 +167,7 @@ TEST(PathGuidance, IsCappedAndLetsGoOfWhoeverGoesElsewhere) {
 }
 
 TEST(PathGuidance, DoesNotJumpAnywhereNearAKinkedPath) {
-  // GIVEN a right angle, and pairs of places 10 um apart within 9 mm of it: two ways to the path meet no nearer
+  // GIVEN a right-angled path, and pairs of places 10 um apart within 9 mm of it
   const GuidePath kinked = pathOf({{0.0, 0.0, 0.0}, {0.05, 0.0, 0.0}, {0.05, 0.05, 0.0}});
   Random random(2);
   double largest = 0.0;

@@ -92,7 +92,7 @@ TEST(WorkspaceEdge, GivesNothingOnAClosedWay) {
       exchanged += std::abs(dw);
     }
     ASSERT_NEAR(work, 0.0, 1e-5 * exchanged) << run;
-    ASSERT_GT(exchanged, 0.01) << "the way met the edge";
+    ASSERT_GT(exchanged, 0.01) << "the curve must meet the edge";
   }
 }
 

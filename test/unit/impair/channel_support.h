@@ -45,7 +45,7 @@ struct Outcome {
   }
 };
 
-/** Sends so many packets through a channel, one every `period_ns`, and lets all come out. */
+/** Sends packets through a channel, one every `period_ns`, and lets all come out. */
 inline Outcome send(Channel* channel, int packets, std::int64_t period_ns = kMillisecond, std::size_t size = 124) {
   Outcome outcome;
   for (int i = 0; i < packets; ++i) {

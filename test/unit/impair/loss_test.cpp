@@ -91,9 +91,9 @@ double tail(const ParetoTwo& law, int k) {
 }
 
 /**
- * Share of packets lost by Pareto bursts, from the definition alone: a cycle is a burst of b packets and the one that
- * passes; the state at the draw of the next cycle is b + 1 steps of the chain later. The stationary state at the draws
- * is found by iteration, and the share is E[b] / (E[b] + 1).
+ * Share of packets lost by Pareto bursts, from the definition alone. A cycle is a burst of b packets and the packet
+ * that passes. The state at the draw of the next cycle is b + 1 steps of the chain later. The stationary state at the
+ * draws is found by iteration, and the share is E[b] / (E[b] + 1).
  */
 double expectedShare(const ParetoBursts& law) {
   constexpr int kLongest = 20000;
@@ -167,7 +167,7 @@ TEST(LossTest, RepeatedCutsTakeTheirShareOfTheTime) {
   EXPECT_EQ(outcome.counts.dropped[static_cast<std::size_t>(Loss::kCut)], outcome.lost());
 }
 
-/** Which of 600 packets, one a millisecond from a channel's start on, are cut off. */
+/** For each of 600 packets, one a millisecond from a channel's start on: whether it is cut off. */
 std::vector<bool> cutsFrom(const Impairment& impairment, std::int64_t start_ns) {
   Channel channel(impairment, 1, 0, start_ns);
   std::vector<bool> cut;

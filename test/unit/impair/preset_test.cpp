@@ -1,4 +1,4 @@
-// The presets do what their files say: published means and shares (sources.md 4.2), an hour of each.
+// The presets act as their files say: published means and shares (sources.md 4.2), an hour of each.
 
 #include <gtest/gtest.h>
 

@@ -199,7 +199,7 @@ TEST(Inverse, UnwrapsTheRollByATurnBeyond300DegreesAndNotBefore) {
     for (const double sign : {-1.0, 1.0}) {
       JointArray from{0.5, 1.5, 0.40, 0.0, 0.1, kPi / 4, kPi / 4}, to = from;
       from[kToolRotation] = -sign * 165 * kDegree;
-      to[kToolRotation] = sign * 140 * kDegree;  // 305 degrees away, 55 the other way round
+      to[kToolRotation] = sign * 140 * kDegree;  // 305 degrees away, 55 in the other direction
       const IkResult near = inverse(g, arm, forward(g, arm, to), kPi / 2, from);
       ASSERT_EQ(near.status, IkStatus::kOk);
       EXPECT_NEAR(near.q[kToolRotation], -sign * 220 * kDegree, 1e-9);
@@ -256,9 +256,10 @@ TEST(Inverse, ComesAsNearToTheRollAsTheArmCanWhereTheWristIsSingular) {
 }
 
 TEST(FirstWristPoint, IsAtTheRemoteCentreFromLwBeforeItToThreeLwBehindIt) {
-  // With the wrist straight the tip is lw nearer than the wrist, d from the remote centre along the shaft. The robot's
-  // first point is lw from the tip towards the centre (raven2.md 2.5, 1): the wrist itself up to d = lw, where the tip
-  // is in the centre, and then lw on the other side of the tip, at d - 2 lw. Step 2 gives up within lw of the centre.
+  // With the wrist straight, the wrist is d from the remote centre along the shaft, and the tip is lw nearer. The
+  // robot's first point is lw from the tip towards the centre (raven2.md 2.5, 1). Up to d = lw, where the tip is in the
+  // centre, this is the wrist itself. Beyond, it is lw on the other side of the tip, at d - 2 lw. Step 2 gives up
+  // within lw of the centre.
   const ArmGeometry g = raven();
   for (const Arm arm : kArms) {
     for (const auto& [d, is_near] : {std::pair{-0.0131, false}, {-0.0129, true}, {0.0, true}, {0.0129, true},
@@ -431,7 +432,7 @@ TEST(JointLimits, ClampAsTheRobotDoes) {
   EXPECT_NEAR(jawMidline(q), g.q_min[kGrasp1], 1e-12) << "J5, the mid-line, at grasper 1's lower limit";
   EXPECT_NEAR(jawOpening(q), -0.5, 1e-12);
   JointArray upper{0.5, kPi / 2, 0.4, 0.0, 0.0, -9.0, 9.0};
-  EXPECT_FALSE(applyJointLimits(g, &upper)) << "the robot never clamps the jaws the other way";
+  EXPECT_FALSE(applyJointLimits(g, &upper)) << "the robot never clamps the jaws at this end";
 }
 
 }  // namespace

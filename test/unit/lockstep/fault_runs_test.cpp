@@ -15,7 +15,7 @@
 #include "support/effort.h"
 #include "support/rig.h"
 
-// Faults in the whole: console, daemon and robot in lockstep.
+// Faults in the whole system: console, daemon and robot in lockstep.
 
 namespace raven2_trainer::lockstep {
 namespace {
@@ -104,7 +104,7 @@ TEST(FaultRuns, TheRelayDeceivesTheRobotAloneAndTheMastersStreamBoth) {
     const double distance = parted(&run, 300);
     const ModelState model = run.stack->view().model;
     if (host == FaultHost::kRelay) {
-      EXPECT_GT(distance, 4e-3) << "6 mm that only the robot was told";
+      EXPECT_GT(distance, 4e-3) << "6 mm that only the robot received";
     } else {
       EXPECT_LT(distance, 2e-3) << "both went";
     }
@@ -179,7 +179,7 @@ TEST(FaultRuns, TriggersOnSignalsFireInRobotAndDaemon) {
     EXPECT_EQ(acts(), 0);
     signals.tissue_distance = 0.004;
     run.stack->setSignals(signals);
-    run.ticks(host == FaultHost::kRobot ? 3 : 1);  // the link's way
+    run.ticks(host == FaultHost::kRobot ? 3 : 1);  // the link's delay
     EXPECT_EQ(acts(), 1) << kFaultHostNames[static_cast<std::size_t>(host)];
   }
 }
@@ -413,7 +413,7 @@ TEST(FaultRuns, SecondsAfterASuddenJumpAllIsAsWithoutIt) {
     faulty.ticks(1);
     largest = std::max(largest, (golden.tip(Arm::kGold) - faulty.tip(Arm::kGold)).norm());
   }
-  EXPECT_GT(largest, 2e-3) << "no jump, nothing shown";
+  EXPECT_GT(largest, 2e-3) << "without a jump the test shows nothing";
   // The force pushed the hand, so the two surgeons need not be at the same place: model and robot must be together.
   EXPECT_LT(at(faulty.stack->view().haptic.error, Arm::kGold), 1.5e-3);
   EXPECT_EQ(faulty.stack->robot().runlevel, golden.stack->robot().runlevel);
@@ -447,7 +447,7 @@ TEST(FaultRuns, WhateverWasFrozenIsFreeAgainOnceCleared) {
   }
 }
 
-/** What a run says of its faults, from the records. */
+/** The changes of faults in a run, from its records. */
 std::vector<FaultChangeRecord> changesOver(Whole* run, int ticks) {
   std::vector<FaultChangeRecord> changes;
   for (int i = 0; i < ticks; ++i) {

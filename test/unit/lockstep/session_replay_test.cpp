@@ -66,7 +66,7 @@ class SessionReplay : public ::testing::Test {
     return d->ask(request, pedal);
   }
 
-  /** What open() has against a session; empty: nothing. */
+  /** The error message of open() for a session; empty: accepted. */
   std::string refusal(const std::string& path) {
     try {
       player->open(path);
@@ -99,7 +99,7 @@ class SessionReplay : public ::testing::Test {
     }
   }
 
-  /** In one common pose, as if nothing had been, and linked from the next pedal-down on. */
+  /** Model and robot are back in their common pose, and linked from the next pedal-down on. */
   void expectNothingChanged(const ModelState& before) {
     for (const Arm arm : kArms)
       EXPECT_LT(apart(d->modelTip(arm), at(before.arms, arm).p_BT), 0.1e-3);
@@ -136,12 +136,12 @@ TEST_F(SessionReplay, ShowsItTickByTickAndPutsEverythingBack) {
     ASSERT_EQ(d->rig.shared->contacts.load().count, 0U);
     farthest = std::max(farthest, d->rig.error(Arm::kGold));
     if (i % 50 == 0) player->serve();
-    MasterCommand moved;  // hands that move with the pedal up move nothing
+    MasterCommand moved;  // motion with the pedal up moves nothing
     moved.dp_I[0] = {20e-6, 0.0, 0.0};
     d->tick(moved);
   }
-  EXPECT_EQ(d->mode(), Mode::kPedalUp) << "its end is the end";
-  EXPECT_GT(farthest, 8e-3) << "or it showed nothing";
+  EXPECT_EQ(d->mode(), Mode::kPedalUp) << "the end of the log ends the replay";
+  EXPECT_GT(farthest, 8e-3) << "or the replay showed nothing";
   EXPECT_LT(apart(d->robotTip(), stood), 1e-6);
   expectNothingChanged(before);
 }
@@ -155,14 +155,14 @@ TEST_F(SessionReplay, APressEndsItAndTheNextOneEngages) {
   d->rest(true, 1);
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
   d->stroke(200, 1.0);
-  EXPECT_EQ(d->mode(), Mode::kPedalUp) << "it was pressed at another picture";
+  EXPECT_EQ(d->mode(), Mode::kPedalUp) << "the pedal was pressed during the replay";
   EXPECT_EQ(d->rig.last_relay.command.pedal, 0);
   expectNothingChanged(before);
 }
 
 TEST_F(SessionReplay, ARequestOrAStopEndsIt) {
   const ModelState before = d->rig.model();
-  EXPECT_EQ(d->ask(RequestKind::kEndReplay), PlanningAnswer::kNotNow) << "there is none";
+  EXPECT_EQ(d->ask(RequestKind::kEndReplay), PlanningAnswer::kNotNow) << "no replay is running";
   ASSERT_EQ(show(player->open(recorded)), PlanningAnswer::kAccepted);
   d->rest(false, 400);
   EXPECT_EQ(d->ask(RequestKind::kBeginSimulation), PlanningAnswer::kNotNow);
@@ -264,7 +264,7 @@ TEST_F(SessionReplay, APipeInTheLogsPlaceIsNotOpened) {
   fs::create_directory(session);
   const std::string pipe = (session / "session.rlog").string();
   ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
-  const int fd = open(pipe.c_str(), O_RDWR);  // so that a reader is refused for what it reads, and waits for nobody
+  const int fd = open(pipe.c_str(), O_RDWR);  // keeps a reader of the pipe from waiting for a writer
   ASSERT_GE(fd, 0);
   ASSERT_EQ(write(fd, std::string(4096, 'x').data(), 4096), 4096);
   EXPECT_NE(refusal(session.string()).find("is no file"), std::string::npos);
@@ -290,7 +290,7 @@ TEST_F(SessionReplay, ALogOfAnotherVersionIsRefused) {
 
 TEST_F(SessionReplay, ItIsRefusedWhereItCannotBe) {
   const std::uint32_t replay = player->open(recorded);
-  EXPECT_EQ(show(0), PlanningAnswer::kNotNow) << "nothing was opened for it";
+  EXPECT_EQ(show(0), PlanningAnswer::kNotNow) << "no log was opened for it";
   d->rest(true, 50);
   EXPECT_EQ(show(replay, true), PlanningAnswer::kNotNow);
   EXPECT_EQ(d->mode(), Mode::kTeleoperating);
@@ -298,7 +298,7 @@ TEST_F(SessionReplay, ItIsRefusedWhereItCannotBe) {
   ASSERT_EQ(show(replay), PlanningAnswer::kAccepted);
   EXPECT_EQ(show(replay + 1), PlanningAnswer::kNotNow);
   d->ask(RequestKind::kEndReplay);
-  EXPECT_EQ(show(replay), PlanningAnswer::kNotNow) << "each is shown once";
+  EXPECT_EQ(show(replay), PlanningAnswer::kNotNow) << "each replay is shown once";
 }
 
 TEST_F(SessionReplay, NumbersThatCannotBeAreLeftOut) {

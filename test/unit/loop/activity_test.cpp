@@ -14,8 +14,8 @@
 #include "loop/activity/teleoperation.h"
 #include "support/rig.h"
 
-// Each activity alone on a stage, without the physics loop: the test sets the mode, the pedal, the robot and the increments, and
-// records which events the activity raises.
+// Tests each activity alone on a stage, without the physics loop. The test sets the mode, the pedal, the robot and the
+// increments, and records which events the activity raises.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -43,13 +43,13 @@ class ActivityTest : public ::testing::Test {
     describe();
   }
 
-  /** As the loop does at the end of a tick. */
+  /** Updates the arms' state as the loop does at the end of a tick. */
   void describe() {
     for (const Arm arm : kArms)
       stage.arms.describe(arm, true, &at(stage.state.arms, arm));
   }
 
-  /** A homed robot whose gold shoulder is `away` [rad] from where the model's is. */
+  /** Shows a homed robot whose gold shoulder is `away` [rad] from the model's. */
   void showRobot(double away = 0.0) {
     RobotState robot;
     robot.connected = 1;
@@ -70,7 +70,7 @@ class ActivityTest : public ::testing::Test {
     stage.increments.commands = 1;
   }
 
-  /** One tick of the activity with its world, as the loop calls it. */
+  /** Runs one tick of the activity and its world, as the loop does. */
   void tick(Activity* activity) {
     activity->supervise();
     activity->tick();
@@ -116,7 +116,7 @@ TEST_F(ActivityTest, HoldGoesBackToARobotFromWhichTheModelWentAway) {
   stage.state.mode = Mode::kPedalUp;
   stage.arms.leaveRobot();
   hold.supervise();
-  EXPECT_TRUE(modes.events.empty()) << "there is no robot to go back to";
+  EXPECT_TRUE(modes.events.empty()) << "there is no robot to return to";
   showRobot();
   hold.supervise();
   EXPECT_EQ(modes.events, std::vector<Event>{Event::kReturnWanted});
@@ -197,7 +197,7 @@ TEST_F(ActivityTest, TheCameraMovesByTheMeanOfBothHandsAndTheArmsHold) {
   move(Arm::kGold, {0.0, 1e-3, 0.0});
   move(Arm::kGreen, {0.0, -1e-3, 0.0});
   camera.tick();
-  EXPECT_EQ(camera.state().eye_W, begin.eye_W) << "the hands move against each other";
+  EXPECT_EQ(camera.state().eye_W, begin.eye_W) << "the hands move in opposite directions";
   move(Arm::kGold, {0.0, 1e-3, 0.0});
   move(Arm::kGreen, {0.0, 1e-3, 0.0});
   camera.tick();
@@ -230,7 +230,7 @@ TEST_F(ActivityTest, AReplayShowsItsFramesAndLeavesTheArmsAsTheyWere) {
   begin.kind = RequestKind::kBeginReplay;
   begin.plan = 7;
   ASSERT_EQ(replay.request(begin), PlanningAnswer::kAccepted);
-  EXPECT_EQ(replay.request(begin), PlanningAnswer::kNotNow) << "each replay has a number of its own";
+  EXPECT_EQ(replay.request(begin), PlanningAnswer::kNotNow) << "a second replay needs another number";
   const JointArray stood = stage.arms.joints(Arm::kGold);
   ReplayFrame frame{};
   frame.replay = 7;
@@ -255,7 +255,7 @@ TEST_F(ActivityTest, APressEndsAReplayAndDoesNotEngage) {
   stage.pedal.is_down = true;
   replay.supervise();
   EXPECT_EQ(modes.events, std::vector<Event>{Event::kReplayEnded});
-  EXPECT_TRUE(stage.pedal.was_down) << "this press is used up";
+  EXPECT_TRUE(stage.pedal.was_down) << "the press that ended the replay is not a new press";
 }
 
 TEST_F(ActivityTest, ReturningBringsTheModelToTheRobot) {

@@ -8,7 +8,7 @@
 #include "raven2_trainer/loop/contact_records.h"
 #include "support/rig.h"
 
-// What the physics loop tells of contacts, and what of the model goes on while the pedal is up.
+// Tests the contacts that the physics loop publishes, and how the model behaves while the pedal is up.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -27,7 +27,7 @@ class Contacts : public ::testing::Test {
     ASSERT_TRUE(rig->home());
   }
 
-  /** Gold tool straight down until it is well below where the scene ends; a tick's contacts of the arm, at most. */
+  /** Moves the gold tool straight down, well below the scene. @return the most contacts of the arm in one tick. */
   std::uint32_t pushDown() {
     std::uint32_t most = 0;
     for (int i = 0; i < 1200; ++i) {
@@ -47,7 +47,7 @@ TEST_F(Contacts, OfTheRestingRingCarryItsWeightWhileThePedalIsUp) {
   for (int i = 0; i < 1000; ++i)
     rig->tick(false);
   const ContactList list = rig->shared->contacts.load();
-  EXPECT_EQ(list.tick, rig->model().tick) << "of the same step as the state";
+  EXPECT_EQ(list.tick, rig->model().tick) << "the contacts and the state are of the same tick";
   double upward = 0.0;
   forEachPair(list, [&](const ContactRecord& record) {
     if (record.a == ring) upward += record.f_W[2];
@@ -64,14 +64,14 @@ TEST_F(Contacts, AnArmMeetsTheSceneUnlessItIsSwitchedOff) {
 }
 
 TEST_F(Contacts, WithThePedalUpABlockedArmIsPushedNoHarderThanItsControllersCan) {
-  ASSERT_GT(pushDown(), 0u);  // the robot knows no scene and has gone on
+  ASSERT_GT(pushDown(), 0u);  // the robot knows no scene and has moved on
   double strongest = 0.0;
   for (int i = 0; i < 300; ++i) {
     rig->tick(false);
     forEachPair(rig->shared->contacts.load(),
                 [&](const ContactRecord& record) { strongest = std::max(strongest, toEigen(record.f_W).norm()); });
   }
-  EXPECT_LT(strongest, 300.0) << "the insertion's controller ends at 95 N, shoulder and elbow at 90 N at the tip";
+  EXPECT_LT(strongest, 300.0) << "the insertion's controller is limited to 95 N, shoulder and elbow to 90 N at the tip";
 }
 
 TEST_F(Contacts, AreNoneBeforeTheRobotIsReady) {
@@ -85,14 +85,14 @@ TEST_F(Contacts, AreNoneBeforeTheRobotIsReady) {
     most = std::max({most, searching.model().arms[0].contacts, searching.model().arms[1].contacts});
   }
   EXPECT_EQ(searching.model().mode, Mode::kPedalUp);
-  EXPECT_EQ(most, 0u) << "the search of the stops leads through the scene";
+  EXPECT_EQ(most, 0u) << "the arms pass through the scene while they search for their stops";
 }
 
 TEST_F(Contacts, AreNoneWhileTheArmIsOnlyShown) {
   ASSERT_GT(pushDown(), 0u);
   for (int i = 0; i < 20; ++i)
     rig->tick(false);
-  ASSERT_GT(rig->model().arms[0].contacts, 0u) << "it is where it was blocked";
+  ASSERT_GT(rig->model().arms[0].contacts, 0u) << "the arm is still where the scene blocked it";
   Request choose;
   choose.kind = RequestKind::kBeginPlanning;
   ASSERT_TRUE(rig->shared->requests.tryPush(choose));
@@ -118,7 +118,7 @@ TEST_F(Contacts, TheWantedJawOpeningOutlastsAClutch) {
   for (int i = 0; i < 500; ++i)
     rig->tick(close);
   const JointArray closed = rig->model().arms[0].q_d;
-  ASSERT_LT(kinematics::jawOpening(closed), 0.7) << "from 90 degrees";
+  ASSERT_LT(kinematics::jawOpening(closed), 0.7) << "the jaws began at 90 degrees";
   for (int i = 0; i < 300; ++i)
     rig->tick(false);
   EXPECT_NEAR(kinematics::jawOpening(rig->model().arms[0].q_d), kinematics::jawOpening(closed), 1e-9);

@@ -12,7 +12,7 @@
 #include "support/effort.h"
 #include "support/rig.h"
 
-// Choosing a goal, arming and executing a plan against the virtual Raven: doc/execution.md.
+// Tests how a goal is chosen and a plan is armed and executed, with the virtual Raven: doc/execution.md.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -21,7 +21,7 @@ using raven2_trainer::testing::effort;
 using raven2_trainer::testing::packagedConfig;
 using raven2_trainer::testing::Rig;
 
-constexpr JointArray kClear{0.12, 0.08, 0.015, 0.3, 0.2, 0.1, -0.1};  ///< from home out of the scene's way
+constexpr JointArray kClear{0.12, 0.08, 0.015, 0.3, 0.2, 0.1, -0.1};  ///< from home to a pose clear of the scene
 
 double apart(const Vec3& a, const Vec3& b) {
   return (toEigen(a) - toEigen(b)).norm();
@@ -50,7 +50,7 @@ class Execution : public ::testing::Test {
       rig->tick(pedal, gold_dp_I);
   }
 
-  /** Asks, lets a tick pass. @return the answer. */
+  /** Sends a request and runs one tick. @return the answer. */
   PlanningAnswer ask(RequestKind kind, std::uint8_t on_robot = 0, std::uint32_t plan = 0, Arm arm = Arm::kGold) {
     Request request;
     request.kind = kind;
@@ -72,7 +72,7 @@ class Execution : public ::testing::Test {
     return toArray(kinematics::forward(rig->config.arms.geometry, Arm::kGold, q).p);
   }
 
-  /** What a planner would answer: straight there, and back a little, within its limits. */
+  /** @return a planner's answer: a straight path there and a little back, within the planner's limits. */
   PlanResult answerTo(const PlanRequest& request, const JointArray& delta) const {
     const PlannerConfig& limits = rig->config.planner;
     PlanResult plan;
@@ -96,7 +96,7 @@ class Execution : public ::testing::Test {
     return plan;
   }
 
-  /** A plan is asked for and answered; the model shows it. */
+  /** Requests a plan and answers the request. The model then shows the plan. */
   void plan(Arm arm = Arm::kGold) {
     ASSERT_EQ(ask(RequestKind::kPlan, 0, 0, arm), PlanningAnswer::kAccepted);
     ASSERT_EQ(planning().status, PlanningStatus::kPlanning);
@@ -127,13 +127,13 @@ class Execution : public ::testing::Test {
     return ticks;
   }
 
-  /** A millisecond in which the robot's frame says this, whatever it does; our packets do not reach it any more. */
+  /** Runs a tick in which the robot reports `state`, whatever it really does. Our packets no longer reach it. */
   void tickWith(RobotState* state, bool pedal) {
     rig->hear(state);
     rig->tick(pedal);
   }
 
-  /** A robot that is where it was, at this run level. */
+  /** The robot reports its present position, at this run level. */
   void robotSays(RunLevel level, int ticks, bool pedal) {
     RobotState state = rig->robot();
     state.runlevel = level;
@@ -142,9 +142,9 @@ class Execution : public ::testing::Test {
   }
 
   std::unique_ptr<Rig> rig;
-  PlanRequest asked;  ///< newest that reached the planner, which is the test
+  PlanRequest asked;  ///< newest request to the planner; the test is the planner
   PlanResult planned;
-  double clearance{0.003};  ///< [m] that the planner says the path keeps
+  double clearance{0.003};  ///< [m] clearance of the path, as the planner reports it
   std::uint32_t last_id{40};
 };
 
@@ -168,11 +168,11 @@ TEST_F(Execution, ReachesTheGoalOnModelAndRobotFromACommonPose) {
   EXPECT_LT(apart(robotTip(), tipAt(goal())), rig->config.execution.settle_tolerance);
   EXPECT_LT(done.model.largest, 0.008);
   EXPECT_LT(done.robot.largest, 0.008);
-  // Home is 19 mm from what is nearest, and so is the way, far from everything else.
+  // At home the nearest object is 19 mm away. The path keeps about that distance, far from everything else.
   EXPECT_NEAR(done.model_clearance, done.robot_clearance, 0.002);
   EXPECT_GT(done.model_clearance, 0.005);
   EXPECT_LT(done.model_clearance, 0.05);
-  EXPECT_GT(apart(tipAt(goal()), tipAt(planned.waypoints[0])), 0.01) << "or there was no way to go";
+  EXPECT_GT(apart(tipAt(goal()), tipAt(planned.waypoints[0])), 0.01) << "the arm must have a path to follow";
   EXPECT_LT(apart(rig->robot().arms[1].p_BT, green), 0.5e-3) << "the other arm holds";
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
   EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
@@ -224,7 +224,7 @@ TEST_F(Execution, TheHeldPedalMovesNothingAfterwards) {
   EXPECT_LT(apart(robotTip(), reached), 0.2e-3);
   rest(false, 5);
   rest(true, 1);
-  EXPECT_EQ(rig->model().mode, Mode::kTeleoperating) << "the next pedal-down is the surgeon's own";
+  EXPECT_EQ(rig->model().mode, Mode::kTeleoperating) << "from the next pedal-down on the surgeon moves the arms";
 }
 
 TEST_F(Execution, OfATrialTheRobotKnowsNothingAndThePlanIsKept) {
@@ -238,9 +238,9 @@ TEST_F(Execution, OfATrialTheRobotKnowsNothingAndThePlanIsKept) {
   EXPECT_EQ(report().robot.largest, 0.0);
   EXPECT_LT(apart(modelTip(), tipAt(goal())), rig->config.execution.settle_tolerance);
   EXPECT_LT(apart(robotTip(), before), 1e-6);
-  EXPECT_EQ(rig->model().mode, Mode::kTracking) << "it holds where it is";
+  EXPECT_EQ(rig->model().mode, Mode::kTracking) << "the model holds its position";
   EXPECT_EQ(planning().status, PlanningStatus::kReady);
-  // WHEN it was satisfactory
+  // WHEN the trial was satisfactory
   rest(false, 10);
   ASSERT_EQ(ask(RequestKind::kExecutePlan, 1), PlanningAnswer::kAccepted);
   hold();
@@ -272,14 +272,14 @@ TEST_F(Execution, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
   double worst = 0.0;
   const auto releases = static_cast<int>(effort(4, 10));
   for (int release = 0; release < releases; ++release) {
-    SetUp();  // each from the same place, so that no run depends on the one before
+    SetUp();  // each run begins at the same place, so that none depends on the one before
     arm(true);
     const double whole = 1000.0 * (planned.arrival[2] + rig->config.execution.hold_time);
-    const double part = (whole - 100.0) / releases;  // one release in each
+    const double part = (whole - 100.0) / releases;  // one release in each part
     rest(true, static_cast<int>(50.0 + part * random.uniform(release, release + 1.0)));
     ASSERT_EQ(rig->model().mode, Mode::kExecuting) << release;
     rig->tick(false);
-    ASSERT_EQ(rig->last_relay.command.pedal, 0) << "in the same tick";
+    ASSERT_EQ(rig->last_relay.command.pedal, 0) << "the robot's pedal goes up in the same tick";
     ASSERT_EQ(rig->last_relay.command.dp_I[0], Vec3{});
     ASSERT_EQ(rig->model().mode, Mode::kPedalUp);
     ASSERT_EQ(report().end, ExecutionEnd::kReleased);
@@ -291,13 +291,13 @@ TEST_F(Execution, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
       rig->tick(false);
       const JointArray now = rig->plant.jointPositions(Arm::kGold);
       worst = std::max(worst, apart(tipAt(now), stopped));
-      for (std::size_t j = 0; j <= kInsertion; ++j)  // those with brakes; the tool's joints coast for 40 ms
+      for (std::size_t j = 0; j <= kInsertion; ++j)  // joints with brakes; the tool's joints coast for 40 ms
         ASSERT_NEAR(now[j], robot[j], 1e-5) << kJointNames[j];
     }
     EXPECT_LT(rig->error(Arm::kGold), 0.1e-3) << "the model is where the robot is";
     EXPECT_EQ(planning().status, PlanningStatus::kIdle);
   }
-  EXPECT_LT(worst, 0.15e-3) << "20 ms after the release the robot's true tip stands, but for what the tool coasts";
+  EXPECT_LT(worst, 0.15e-3) << "from 20 ms after the release on only the tool's joints coast";
   std::printf("true tip moved %.4f mm from 20 ms after the release on\n", worst * 1e3);
 }
 
@@ -326,7 +326,7 @@ TEST_F(Execution, AnEStopDisarms) {
   EXPECT_EQ(planning().status, PlanningStatus::kIdle);
   robotSays(RunLevel::kPedalUp, 3, false);
   robotSays(RunLevel::kPedalUp, 3, true);
-  EXPECT_EQ(rig->model().mode, Mode::kTeleoperating) << "and executes nothing";
+  EXPECT_EQ(rig->model().mode, Mode::kTeleoperating) << "no execution starts";
 }
 
 TEST_F(Execution, LostTimeEndsIt) {
@@ -376,7 +376,7 @@ TEST_F(Execution, ThePathStandsStillWhileTheRobotIsNotHeard) {
   arm(true);
   rest(true, 400);
   rig->robot_connected = false;
-  rest(true, 25);  // 20 ms are let pass
+  rest(true, 25);  // a silence of 20 ms is tolerated
   const double stood = planning().progress;
   rest(true, 50);
   EXPECT_EQ(planning().progress, stood);
@@ -391,7 +391,7 @@ TEST_F(Execution, AReleaseThatComesTogetherWithTheNextPressEndsIt) {
   arm(true);
   rest(true, 400);
   ASSERT_EQ(rig->model().mode, Mode::kExecuting);
-  rig->send(MasterCommand{});  // pedal up, and in the same tick down again
+  rig->send(MasterCommand{});  // pedal up, and down again in the same tick
   rest(true, 1);
   EXPECT_EQ(report().end, ExecutionEnd::kReleased);
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
@@ -407,7 +407,7 @@ TEST_F(Execution, ARobotThatGoesToPedalUpByItselfEndsIt) {
   EXPECT_EQ(report().end, ExecutionEnd::kRobotLost);
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
   robotSays(RunLevel::kPedalDown, 5, true);
-  EXPECT_NE(rig->model().mode, Mode::kExecuting) << "to go on takes a new pedal-down";
+  EXPECT_NE(rig->model().mode, Mode::kExecuting) << "it continues only after a new pedal-down";
   EXPECT_EQ(rig->last_relay.command.dp_I[0], Vec3{});
 }
 
@@ -433,7 +433,7 @@ TEST_F(Execution, DisengagingDisarmsAndEndsATrial) {
 TEST_F(Execution, ANewRobotThatIsReadyAtOnceDisarms) {
   arm(true);
   RobotState state = rig->robot();
-  state.cycle = 5;  // the old one was far beyond that
+  state.cycle = 5;  // the old robot's cycle was far higher
   rig->link.disconnected();
   rig->link.connected();
   tickWith(&state, false);
@@ -445,7 +445,7 @@ TEST_F(Execution, ARobotThatStaysSilentIsGivenUp) {
   arm(true);
   rest(true, 400);
   rig->robot_connected = false;
-  rest(true, 600);  // 0.5 s lose the link
+  rest(true, 600);  // the link is lost after 0.5 s
   EXPECT_EQ(report().end, ExecutionEnd::kRobotLost);
 }
 
@@ -515,11 +515,11 @@ TEST_F(Execution, IsRefusedAtThePedalIfTheOtherArmCameNearerThanThePathKeepsAway
     SetUp();
     arm(true);
     RobotState elsewhere = rig->robot();
-    elsewhere.arms[1].q[kInsertion] += shift;  // straight along its shaft: the tip moves by as much
+    elsewhere.arms[1].q[kInsertion] += shift;  // along the shaft: the tip moves by the same length
     tickWith(&elsewhere, true);
     return report().end;
   };
-  // Within start_tolerance, 1 mm, both times; the path keeps 0.4 mm.
+  // Both shifts are within start_tolerance, 1 mm; the path keeps 0.4 mm.
   clearance = 0.0004;
   EXPECT_EQ(pressWith(0.0003), ExecutionEnd::kNone);
   EXPECT_EQ(pressWith(0.0006), ExecutionEnd::kMoved);
@@ -543,11 +543,11 @@ TEST_F(Execution, IsRefusedAtThePedalIfSomethingIsBetweenTheArmAndThePath) {
   const std::size_t joint = kShoulder;
   for (int i = 0; i < 6000 && gauge.measure(Arm::kGold, stands, green) > 0.0; ++i)
     stands[joint] += 1e-4;
-  ASSERT_EQ(gauge.measure(Arm::kGold, stands, green), 0.0) << "it meets something";
+  ASSERT_EQ(gauge.measure(Arm::kGold, stands, green), 0.0) << "the arm touches something";
   const double tolerance = rig->config.execution.start_tolerance[joint];
   stands[joint] -= 0.4 * tolerance;
   ASSERT_GT(gauge.measure(Arm::kGold, stands, green), 0.0);
-  // Within the tolerance both times: farther away, and into what it would touch.
+  // Both moves are within the tolerance: one away from the obstacle, one into it.
   for (const double away : {-0.8 * tolerance, 0.8 * tolerance}) {
     SetUp();
     RobotState state = rig->robot();
@@ -571,13 +571,14 @@ TEST_F(Execution, IsRefusedAtThePedalIfSomethingIsBetweenTheArmAndThePath) {
 TEST_F(Execution, IsRefusedWithItsReason) {
   EXPECT_EQ(ask(RequestKind::kExecutePlan), PlanningAnswer::kNoPlan);
   plan();
-  EXPECT_EQ(ask(RequestKind::kExecutePlan, 1, planned.id + 1), PlanningAnswer::kNoPlan) << "another one is meant";
+  EXPECT_EQ(ask(RequestKind::kExecutePlan, 1, planned.id + 1), PlanningAnswer::kNoPlan)
+      << "the request names another plan";
   Request disengage;
   disengage.kind = RequestKind::kDisengage;
   ASSERT_TRUE(rig->shared->requests.tryPush(disengage));
   EXPECT_EQ(ask(RequestKind::kExecutePlan, 1, planned.id), PlanningAnswer::kNoRobot);
-  EXPECT_EQ(ask(RequestKind::kExecutePlan, 0, planned.id), PlanningAnswer::kAccepted) << "the model can";
-  EXPECT_EQ(ask(RequestKind::kExecutePlan, 0, planned.id), PlanningAnswer::kNotNow) << "it is armed";
+  EXPECT_EQ(ask(RequestKind::kExecutePlan, 0, planned.id), PlanningAnswer::kAccepted) << "the model needs no robot";
+  EXPECT_EQ(ask(RequestKind::kExecutePlan, 0, planned.id), PlanningAnswer::kNotNow) << "the plan is armed already";
   rest(true, 50);
   EXPECT_EQ(rig->model().mode, Mode::kExecuting);
 }
@@ -609,7 +610,7 @@ TEST_F(Execution, WithThePedalDownNothingIsArmed) {
 TEST_F(Execution, ARobotHeldBackEndsItOffThePath) {
   arm(true);
   rest(true, 100);
-  // GIVEN a robot whose state is heard but whom our packets no longer reach
+  // GIVEN a robot that we still hear but that our packets no longer reach
   RobotState state = rig->robot();
   for (int i = 0; i < 3000 && rig->model().mode == Mode::kExecuting; ++i)
     tickWith(&state, true);
@@ -636,11 +637,11 @@ TEST_F(Execution, TheGoalIsChosenOnTheModelAloneThroughEverything) {
   EXPECT_GT(apart(modelTip(), before.arms[0].p_BT), 0.05);
   EXPECT_LT(apart(robotTip(), robot_before), 1e-6);
   for (std::size_t body = 0; body < kMaxSceneBodies; ++body)
-    EXPECT_EQ(rig->model().bodies[body].p, before.bodies[body].p) << "nothing is pushed";
-  EXPECT_EQ(rig->model().arms[1].q, before.arms[1].q) << "the other arm stands";
+    EXPECT_EQ(rig->model().bodies[body].p, before.bodies[body].p) << "the arm pushes no object";
+  EXPECT_EQ(rig->model().arms[1].q, before.arms[1].q) << "the other arm does not move";
   ASSERT_EQ(ask(RequestKind::kEndPlanning), PlanningAnswer::kAccepted);
   EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
-  EXPECT_LT(apart(modelTip(), before.arms[0].p_BT), 0.05e-3) << "and is back";
+  EXPECT_LT(apart(modelTip(), before.arms[0].p_BT), 0.05e-3) << "the arm is back at its start";
 }
 
 TEST_F(Execution, OnlyThePedalMovesTheGoal) {
@@ -649,7 +650,8 @@ TEST_F(Execution, OnlyThePedalMovesTheGoal) {
   rest(false, 100, {20e-6, 0.0, 0.0});
   EXPECT_LT(apart(modelTip(), before), 2e-6);
   rest(true, 100, {20e-6, 0.0, 0.0});
-  EXPECT_NEAR(apart(modelTip(), before), 2e-3, 1e-5) << "as told, without the lag of any controller";
+  EXPECT_NEAR(apart(modelTip(), before), 2e-3, 1e-5)
+      << "the tip moves exactly as commanded, without a controller's lag";
 }
 
 TEST_F(Execution, TheRecordedGoalIsWhatThePlannerIsAskedFor) {
@@ -669,7 +671,7 @@ TEST_F(Execution, TheRecordedGoalIsWhatThePlannerIsAskedFor) {
     EXPECT_NEAR(request.goal_q[j], chosen[j], 1e-9) << kJointNames[j];
     EXPECT_NEAR(request.start[j], stood[j], 1e-4) << kJointNames[j];
   }
-  EXPECT_LT(apart(modelTip(), tipAt(stood)), 0.05e-3) << "the arm is back";
+  EXPECT_LT(apart(modelTip(), tipAt(stood)), 0.05e-3) << "the arm is back at its start";
 }
 
 TEST_F(Execution, ChoosingEndsWithAnEStopAndWithALostRobot) {
@@ -693,7 +695,7 @@ TEST_F(Execution, WhatIsNotUnderWayCannotBeEndedOrRecorded) {
   EXPECT_EQ(ask(RequestKind::kRecordGoal), PlanningAnswer::kNotNow);
   EXPECT_EQ(ask(RequestKind::kEndPlanning), PlanningAnswer::kNotNow);
   EXPECT_EQ(ask(RequestKind::kBeginPlanning), PlanningAnswer::kAccepted);
-  EXPECT_EQ(ask(RequestKind::kBeginPlanning), PlanningAnswer::kNotNow) << "already";
+  EXPECT_EQ(ask(RequestKind::kBeginPlanning), PlanningAnswer::kNotNow) << "a goal is being chosen already";
   EXPECT_EQ(ask(RequestKind::kExecutePlan), PlanningAnswer::kNotNow);
   EXPECT_EQ(rig->model().mode, Mode::kChoosing);
 }
@@ -717,7 +719,7 @@ TEST_F(Execution, ThePlannersOwnPathIsExecutedFromTheRecordedGoalOn) {
   ASSERT_EQ(ask(RequestKind::kExecutePlan, 1, id), PlanningAnswer::kAccepted);
   EXPECT_EQ(rig->model().guide_plan, id);
   rest(true, 1);
-  EXPECT_EQ(rig->model().guide_plan, 0U) << "nobody guides the hand while the path is played";
+  EXPECT_EQ(rig->model().guide_plan, 0U) << "no guidance while the arm follows the path";
   hold(60000);
   EXPECT_EQ(report().end, ExecutionEnd::kFinished);
   EXPECT_LT(apart(robotTip(), tipAt(goal())), rig->config.execution.settle_tolerance);
@@ -734,7 +736,7 @@ TEST_F(Execution, APlanThatNobodyWaitsForIsGivenUpAndTheNextIsNot) {
   ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
   ASSERT_TRUE(rig->shared->plan_requests.tryPop(&second));
   const PlanResult given_up = planner.planNow(first), answer = planner.planNow(second);
-  EXPECT_EQ(given_up.status, PlanStatus::kCancelled) << "by the planner itself";
+  EXPECT_EQ(given_up.status, PlanStatus::kCancelled) << "the planner itself cancelled it";
   EXPECT_NE(answer.status, PlanStatus::kCancelled);
   ASSERT_TRUE(rig->shared->plan_results.tryPush(given_up));
   ASSERT_TRUE(rig->shared->plan_results.tryPush(answer));
@@ -795,7 +797,7 @@ TEST(ExecutionAlone, WithoutARobotTheModelExecutesAndGoesBackForTheNext) {
   plan.arrival[1] = 1.0;
   plan.clearance = 0.002;
   ASSERT_TRUE(rig.shared->plan_results.tryPush(plan));
-  for (int i = 0; i < 1200; ++i)  // shown to its end
+  for (int i = 0; i < 1200; ++i)  // until the path was shown to its end
     rig.tick(false);
   EXPECT_EQ(ask(RequestKind::kExecutePlan, 2, 1), PlanningAnswer::kNoRobot);
   for (std::uint32_t id = 3; id < 5; ++id) {

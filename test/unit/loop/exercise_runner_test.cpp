@@ -40,15 +40,15 @@ TEST(ExerciseRunner, WaitsForTheFirstAttemptFromTheFirstTickOn) {
 }
 
 TEST(ExerciseRunner, TriggersSeeNoStepBeforeTheTimerRuns) {
-  Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
+  Rig rig(configWith("camera_clutch"));  // this exercise begins with the first pedal-down
   ASSERT_TRUE(rig.home());
   EXPECT_EQ(rig.model().exercise.step, 1U);
   EXPECT_EQ(rig.model().faults.signals.step, 0U);
   rig.tick(true);
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kRunning);
-  EXPECT_EQ(rig.model().faults.signals.step, 0U) << "of the tick before";
+  EXPECT_EQ(rig.model().faults.signals.step, 0U) << "signals are those of the tick before";
   rig.tick(true);
-  EXPECT_EQ(rig.model().faults.signals.step, 1U) << "what the engines of faults saw";
+  EXPECT_EQ(rig.model().faults.signals.step, 1U) << "the fault engines see the step now";
 }
 
 TEST(ExerciseRunner, TellsItsEventsToWhoeverLooks) {
@@ -56,7 +56,7 @@ TEST(ExerciseRunner, TellsItsEventsToWhoeverLooks) {
   ASSERT_TRUE(rig.home());
   ASSERT_EQ(ask(&rig, RequestKind::kStartExercise, 7), PlanningAnswer::kAccepted);
   const ExerciseNews news = rig.shared->exercise_news.load();
-  ASSERT_EQ(news.count, 2U) << "the first attempt and the second";
+  ASSERT_EQ(news.count, 2U) << "one event for each of the two attempts";
   for (std::uint64_t n = 1; n <= news.count; ++n)
     EXPECT_EQ(news.newest[n].event.kind, ExerciseEventKind::kStarted);
   EXPECT_GT(news.newest[2].tick, news.newest[1].tick);
@@ -72,7 +72,7 @@ TEST(ExerciseRunner, BeginsAnewWithTheSceneAsItWas) {
     rig.tick(goldTowards(rig, ring));
   for (int i = 0; i < 50; ++i)
     rig.tick(false);
-  ASSERT_GT(moved(), 4e-3) << "or nothing was touched";
+  ASSERT_GT(moved(), 4e-3) << "the tool must have moved the ring";
   EXPECT_EQ(ask(&rig, RequestKind::kStartExercise, 7), PlanningAnswer::kAccepted);
   EXPECT_EQ(rig.model().exercise.attempt, 2);
   EXPECT_EQ(rig.model().exercise.status, ExerciseStatus::kWaiting);
@@ -108,7 +108,7 @@ TEST(ExerciseRunner, DoesNotBeginAnewWithThePedalDownWhereItMovesNothing) {
 }
 
 TEST(ExerciseRunner, AVirtualTrialIsNoPartOfTheAttempt) {
-  Rig rig(configWith("camera_clutch"));  // it runs from the first pedal-down on
+  Rig rig(configWith("camera_clutch"));  // this exercise begins with the first pedal-down
   ASSERT_TRUE(rig.home());
   for (int i = 0; i < 200; ++i)
     rig.tick(false);
@@ -138,7 +138,7 @@ TEST(ExerciseRunner, CountsEventsThatTheJudgeHadNoRoomFor) {
   rule.mistake = Mistake::kCollision;
   rule.names_a = {names[0], names[1], names[2], names[3]};
   rule.names_b = {names[4], names[5]};
-  config.exercise.rules.assign(kMaxWatchRules, rule);  // all of them see a touch
+  config.exercise.rules.assign(kMaxWatchRules, rule);  // every rule sees a touch
   ContactList contacts;
   for (std::uint16_t a = 0; a < 4; ++a) {
     for (const std::uint16_t b : {4, 5}) {
@@ -161,12 +161,12 @@ TEST(ExerciseRunner, CountsEventsThatTheJudgeHadNoRoomFor) {
   const std::uint64_t once = pass(3, contacts);
   EXPECT_GT(once, 0U);
   const RingCounts counts = shared->exercise_records.counts();
-  // started, began, and touch and mistake of each that the judge's table of touches held
+  // Events: started, began, and a touch and a mistake for each entry of the judge's table of touches.
   const std::size_t seen = state.exercise.mistakes[static_cast<std::size_t>(Mistake::kCollision)];
   EXPECT_GE(seen, kMaxWatchRules);
   EXPECT_EQ(counts.pushed + counts.dropped, 2U + 2U * seen);
   const std::uint64_t before = pass(2000, ContactList{});
-  EXPECT_EQ(pass(3, contacts) - before, once - 2U) << "touched again; it started and began once";
+  EXPECT_EQ(pass(3, contacts) - before, once - 2U) << "the touches come again, but started and began come once";
 }
 
 TEST(ExerciseRunner, WithoutAnExerciseThereIsNothingToBegin) {

@@ -12,7 +12,7 @@
 namespace raven2_trainer::loop {
 namespace {
 
-/** The director of a session with a drill; the test takes the physics loop's part. */
+/** The director of a session with a drill. The test plays the physics loop. */
 struct Drill {
   Drill()
       : config(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
@@ -46,7 +46,7 @@ TEST(FaultDirectorDrill, IsArmedFromTheStartAndStaysSoForTheAttempt) {
     for (int i = 0; i < 20; ++i)
       drill.tick(1, status);
   }
-  EXPECT_EQ(drill.plan().generation, first.generation) << "nothing was changed";
+  EXPECT_EQ(drill.plan().generation, first.generation) << "the plan did not change";
 }
 
 TEST(FaultDirectorDrill, EndsWithItsAttempt) {
@@ -58,7 +58,7 @@ TEST(FaultDirectorDrill, EndsWithItsAttempt) {
     const std::uint64_t generation = drill.plan().generation;
     for (int i = 0; i < 20; ++i)
       drill.tick(1, end);
-    EXPECT_EQ(drill.plan().generation, generation) << "once";
+    EXPECT_EQ(drill.plan().generation, generation) << "the plan changes only once";
   }
 }
 
@@ -67,11 +67,11 @@ TEST(FaultDirectorDrill, EveryAttemptHasItsOwnDrawnAnew) {
   const Fault first = drill.plan().faults[0];
   drill.tick(1, ExerciseStatus::kRunning);
   drill.tick(2, ExerciseStatus::kWaiting);
-  EXPECT_EQ(drill.plan().count, 0U) << "what triggers look at is still of the attempt before";
+  EXPECT_EQ(drill.plan().count, 0U) << "the triggers' signals still belong to the attempt before";
   drill.tick(2, ExerciseStatus::kWaiting);
   ASSERT_EQ(drill.plan().count, 1U);
   const Fault second = drill.plan().faults[0];
-  EXPECT_NE(second.arming, first.arming) << "it begins anew";
+  EXPECT_NE(second.arming, first.arming) << "the fault is armed again";
   EXPECT_EQ(second.first_tick, faults::drillPlan(drill.config, 2, 0).faults[0].first_tick);
   EXPECT_NE(second.first_tick, first.first_tick);
   drill.tick(2, ExerciseStatus::kDone);
@@ -101,10 +101,10 @@ TEST(FaultDirectorDrill, StartedByRequestItIsTheLibrarysScenario) {
   ASSERT_EQ(drill.plan().count, 1U);
   EXPECT_EQ(drill.plan().faults[0].trigger, FaultTrigger::kPedalDown);
   drill.tick(1, ExerciseStatus::kDone);
-  EXPECT_EQ(drill.plan().count, 1U) << "it is no drill any more";
+  EXPECT_EQ(drill.plan().count, 1U) << "a requested scenario does not end with the attempt";
 }
 
-/** `count` rows of one scenario behind what is there. */
+/** Appends `count` rows of one scenario to the plan. */
 void addRows(std::uint32_t id, std::uint32_t count, FaultPlan* plan) {
   for (std::uint32_t i = 0; i < count; ++i)
     plan->faults[plan->count++].id = id;

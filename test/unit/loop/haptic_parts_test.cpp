@@ -10,8 +10,8 @@
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/loop/haptic_loop.h"
 
-// How the haptic loop puts its parts together: what is asked for, from which path and which middle of the workspace,
-// and when.
+// Tests how the haptic loop combines its parts: which force each part wants, which path and which centre of the
+// workspace it uses, and when the part acts.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -31,7 +31,7 @@ class HapticParts : public ::testing::Test {
     path.points_B[1] = {0.1, 0.0, 0.0};
   }
 
-  /** One tick of states that are fresh. */
+  /** Runs one tick with fresh states. */
   HapticState tick() {
     if (!loop) loop = std::make_unique<HapticLoop>(config, &shared);
     now_ns += kTickNanoseconds;
@@ -56,7 +56,7 @@ class HapticParts : public ::testing::Test {
     return last;
   }
 
-  /** Both tips of the arm there: no deviation, so no cue. */
+  /** Puts the tips of model and robot at one place: no deviation, so no cue. */
   void putTips(Arm arm, const Vec3& p_B) { at(model.arms, arm).p_BT = at(robot.arms, arm).p_BT = p_B; }
 
   TrainerConfig config;
@@ -98,7 +98,7 @@ TEST_F(HapticParts, AfterItForgotItKnowsItselfOnceBothArmsHadTheirRest) {
     loop->forget();
     at(robot.arms, felt).p_BT = {-0.010, 0.0, 0.0};
     ticks(1000);
-    EXPECT_FALSE(loop->knowsItself()) << name(felt) << " is still felt";
+    EXPECT_FALSE(loop->knowsItself()) << name(felt) << " still feels a force";
     at(robot.arms, felt).p_BT = at(model.arms, felt).p_BT;
     ticks(1000);
     EXPECT_TRUE(loop->knowsItself()) << name(felt);
@@ -109,18 +109,18 @@ TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   putTips(Arm::kGold, {0.05, 0.004, 0.0});
   putTips(Arm::kGreen, {0.05, 0.004, 0.0});
   shared.guide_path.store(path);
-  EXPECT_EQ(ticks(50).guidance_B[0], Vec3{}) << "no plan is in force";
+  EXPECT_EQ(ticks(50).guidance_B[0], Vec3{}) << "no plan guides yet";
   model.guide_plan = 4;
   HapticState state = tick();
   EXPECT_EQ(state.guide_plan, 4U);
   EXPECT_NEAR(state.guidance_B[0][1], -0.4 / 500, kRounding);
   state = ticks(249);
-  EXPECT_NEAR(state.guidance_B[0][1], -0.2, 1e-9) << "half of 100 N/m 4 mm after half of 0.5 s";
+  EXPECT_NEAR(state.guidance_B[0][1], -0.2, 1e-9) << "half of 100 N/m times 4 mm after half of 0.5 s";
   state = ticks(600);
   EXPECT_NEAR(state.guidance_B[0][1], -0.4, kRounding);
   EXPECT_NEAR(state.force_B[0][1], -0.4, 1e-9);
   EXPECT_EQ(state.guidance_B[1], Vec3{}) << "the green arm has no path";
-  // THEN with the pedal up, another plan, or a lost link it ends at once, and starts from nothing
+  // THEN with the pedal up, another plan, or a lost link the guidance ends at once and begins again from zero
   model.pedal = 0;
   EXPECT_EQ(tick().guidance_B[0], Vec3{});
   model.pedal = 1;
@@ -128,7 +128,7 @@ TEST_F(HapticParts, APathGuidesItsOwnArmWithThePedalDownAndFadesIn) {
   model.guide_plan = 5;
   state = tick();
   EXPECT_EQ(state.guidance_B[0], Vec3{});
-  EXPECT_EQ(state.guide_plan, 0U) << "its path is not here yet";
+  EXPECT_EQ(state.guide_plan, 0U) << "the path of plan 5 has not arrived yet";
   path.plan = 5;
   shared.guide_path.store(path);
   EXPECT_EQ(tick().guide_plan, 5U);
@@ -165,7 +165,7 @@ TEST_F(HapticParts, OpposedOnesLeaveNothingBehindInARestHoweverShort) {
   ASSERT_NEAR(ticks(800).guidance_B[0][1], -0.8, 1e-9);
   model.linked = 0;
   ASSERT_EQ(ticks(3).force_B[0], Vec3{});
-  // WHEN the link comes back, model and robot together, THEN the guidance begins from nothing
+  // WHEN the link comes back, model and robot together, THEN the guidance begins from zero
   putTips(Arm::kGold, {0.05, 0.008, 0.0});
   model.linked = 1;
   for (int k = 0; k < 50; ++k) {
@@ -185,7 +185,7 @@ TEST_F(HapticParts, PedalDownIsTheMiddleOfTheWorkspace) {
   EXPECT_NEAR(force_I.y(), -1.5 * (3 * 0.81 - 2 * 0.729), 1e-9) << "9 of the 10 mm before the edge";
   EXPECT_NEAR(force_I.x(), 0.0, kRounding);
   EXPECT_EQ(state.edge_B[1], Vec3{});
-  // WHEN the pedal goes up and the hand comes back unseen
+  // WHEN the pedal goes up and the hand comes back untracked
   model.pedal = 0;
   tick();
   model.pedal = 1;
@@ -202,8 +202,8 @@ TEST_F(HapticParts, AHandThatTakesThePedalFromAClientIsInTheMiddle) {
   tick();
   model.pedal = kClientsPedal;
   HapticState state = ticks(50);
-  EXPECT_NEAR(state.hand_I[0][1], 0.079, kRounding) << "where it was left";
-  model.pedal = kSurgeonsPedal;  // without a break
+  EXPECT_NEAR(state.hand_I[0][1], 0.079, kRounding) << "the position at which the surgeon's pedal went up";
+  model.pedal = kSurgeonsPedal;  // no tick with the pedal up in between
   state = tick();
   EXPECT_EQ(state.hand_I[0], Vec3{});
   EXPECT_EQ(state.edge_B[0], Vec3{});
@@ -238,16 +238,16 @@ TEST_F(HapticParts, TheWholeIsCappedAndThePartsAreOnRecord) {
   EXPECT_NEAR(toEigen(state.force_B[0]).cross(sum).norm(), 0.0, 1e-6) << "in the direction of their sum";
 }
 
-/** Guidance in step with the hand's motion: the tip at (0.05, y) of the path, the hand going with the force. */
+/** Guidance in phase with the hand's motion: the tip is at (0.05, y) of the path, and the hand moves with the force. */
 class Priority : public HapticParts {
  protected:
   Priority() {
-    config.haptics.passivity.hand_damping = 0.0;  // what is given is the ports' own
+    config.haptics.passivity.hand_damping = 0.0;  // the ports' accounts alone decide
     model.guide_plan = 4;
     shared.guide_path.store(path);
   }
 
-  /** 0.5 N of guidance to and fro in 0.2 s, the hand 5 mm each way in step with the force: 8 mJ a period. */
+  /** 0.5 N of guidance to and fro in 0.2 s, the hand 5 mm to either side in phase with the force: 8 mJ a period. */
   HapticState swingInGuidance(int k, double deviation = 0.0) {
     const double phase = 2.0 * kPi * k / 200.0;
     putTips(Arm::kGold, {0.05, -0.005 * std::cos(phase), 0.0});
@@ -266,14 +266,14 @@ TEST_F(Priority, TheCueNeverPaysForWhatGuidanceGave) {
     state = swingInGuidance(k);
     ASSERT_EQ(state.gain[0], 1.0) << k;
   }
-  // at half the budget nothing of what yields is left: there it stops
+  // guidance yields: at half of the budget nothing of it is left, and the energy stops growing
   ASSERT_GT(state.energy[0], state.allowance[0] - 0.501 * config.haptics.passivity.budget);
   ASSERT_GT(toEigen(state.guidance_B[0]).norm(), 0.1);
-  EXPECT_LT(toEigen(state.force_B[0]).norm(), 1e-3) << "nothing of the guidance is given";
+  EXPECT_LT(toEigen(state.force_B[0]).norm(), 1e-3) << "the guidance gives no force";
   // WHEN the robot jumps 10 mm
   for (int k = 6000; k < 6050; ++k)
     state = swingInGuidance(k, 0.010);
-  // THEN the cue is felt whole
+  // THEN the whole cue is felt
   EXPECT_EQ(state.gain[0], 1.0);
   EXPECT_NEAR(state.cue_B[0][0], 1.5, 1e-9);
   EXPECT_NEAR((toEigen(state.force_B[0]) - toEigen(state.cue_B[0])).norm(), 0.0, 1e-3);
@@ -291,7 +291,7 @@ TEST_F(Priority, GuidanceYieldsToTheEdgeAndBothToTheCue) {
     model.master_I[0] = {-0.0005 * std::sin(phase), k == 0 ? 0.0 : 0.0079, 0.0};
     const double left = k == 0 ? 1.0 : shared.haptic.load().allowance[0] - shared.haptic.load().energy[0];
     const HapticState state = tick();
-    if (k < 600 || sign * std::cos(phase) < 0.9) continue;  // past the fade, at the largest guidance
+    if (k < 600 || sign * std::cos(phase) < 0.9) continue;  // after the fade, near the largest guidance
     const double guided = std::abs(state.force_B[0][1]) / std::abs(state.guidance_B[0][1]);
     const Vector3 edge_B = toEigen(state.edge_B[0]);
     const double edged = toEigen(state.force_B[0]).dot(edge_B) / edge_B.squaredNorm();
@@ -299,12 +299,12 @@ TEST_F(Priority, GuidanceYieldsToTheEdgeAndBothToTheCue) {
     ASSERT_TRUE(edged > 0.97 || guided < 0.02) << "the edge yielded before the guidance had, at " << k;
     ASSERT_EQ(state.gain[0], 1.0) << k;
   }
-  EXPECT_GT(guidance_gone_at, 0.0) << "it never yielded: the test showed little";
+  EXPECT_GT(guidance_gone_at, 0.0) << "the guidance never yielded: the test checked little";
   EXPECT_LE(guidance_gone_at, 0.75 * config.haptics.passivity.budget);
 }
 
 TEST_F(Priority, GuidanceIsNotGivenWhereTheCueHasUsedUpThePort) {
-  // GIVEN a cue in step with the motion: 1.5 N to and fro, 5 mm each way
+  // GIVEN a cue in phase with the motion: 1.5 N to and fro, 5 mm to either side
   config.haptics.edge.enabled = false;
   HapticState state;
   for (int k = 0; k < 4000; ++k) {
@@ -321,7 +321,7 @@ TEST_F(Priority, GuidanceIsNotGivenWhereTheCueHasUsedUpThePort) {
 }
 
 TEST_F(Priority, WhatBothAccountsHandOnIsKnownAgainAfterARest) {
-  // GIVEN a loop that missed some records in the midst of guidance and cue, and forgets
+  // GIVEN a loop that missed some records while guidance and cue acted, and then forgets
   HapticState recorded = tick();
   HapticLoop other(config, &shared);
   other.forget();
@@ -365,7 +365,8 @@ TEST_F(HapticParts, FreeTeleoperationStaysFreeWhateverTheHandsDo) {
 }
 
 TEST_F(HapticParts, WhatOneTickHandsOnStandsInItsRecord) {
-  // GIVEN a loop that is only told the records of another, as re-simulation is: in a cue, guided, at an edge, shortened
+  // GIVEN a loop that only receives the records of another one, as in re-simulation. The records hold a cue, guidance,
+  // an edge and reduced forces.
   config.haptics.kp = 1000.0;
   HapticLoop other(config, &shared);
   model.guide_plan = 4;
@@ -377,7 +378,7 @@ TEST_F(HapticParts, WhatOneTickHandsOnStandsInItsRecord) {
     const double x = 0.001 * std::sin(0.045 * k);
     model.master_I[0] = {-x, 0.008 * std::sin(0.003 * k), 0.0};  // B's y is I's -x
     putTips(Arm::kGold, {0.05, 0.003 + x, 0.0});
-    const double lag = 0.004 * std::sin(0.045 * k - 4.5);  // the phase at which it pushes
+    const double lag = 0.004 * std::sin(0.045 * k - 4.5);  // the phase at which the force pushes the hand
     at(robot.arms, Arm::kGold).p_BT[1] -= 0.003 + lag;
     const HapticState recorded = tick();
     other.observe(recorded.master_I);
@@ -391,7 +392,7 @@ TEST_F(HapticParts, WhatOneTickHandsOnStandsInItsRecord) {
     other.account(recorded);
     least_gain = std::min(least_gain, recorded.gain[0]);
   }
-  EXPECT_LT(least_gain, 0.5) << "nothing was shortened: the test showed little";
+  EXPECT_LT(least_gain, 0.5) << "no force was reduced: the test checked little";
 }
 
 }  // namespace

@@ -14,13 +14,13 @@
 #include "raven2_trainer/loop/haptic_loop.h"
 #include "support/effort.h"
 
-// The haptic loop closed over a hand on a slow link: what the port gives that hand, with and without the passivity
-// controller. The work is summed up at the hand, where the daemon cannot look.
+// Tests the haptic loop closed over a hand on a slow link: the energy that the port gives the hand, with and without
+// the passivity controller. The work is summed at the hand, where the daemon cannot measure it.
 
 namespace raven2_trainer::loop {
 namespace {
 
-/** What is taken for a hand, and what for the link and the robot. */
+/** Parameters of the hand, the link and the robot. */
 struct Bench {
   double mass{0.15}, damping{2.0}, stiffness{300.0};  ///< [kg, Ns/m, N/m] a loose hand; doc/haptics.md
   int there{50}, back{50};                            ///< [ticks] daemon to console, console to daemon
@@ -28,14 +28,14 @@ struct Bench {
   Vector3 kick_I{0.0, 0.0, -0.3};                     ///< [N] for 20 ms
   double seconds{20.0};
   Vector3 rest_I{0, 0, 0};  ///< [m] where the hand holds still
-  double busy{0.0};         ///< [s] before the kick in which the hand is moved at will, 30 mm to and fro in 2 s, across
+  double busy{0.0};         ///< [s] of strokes to the side before the kick, 30 mm to and fro in 2 s
 };
 
-/** What came of it. Of the gold arm. */
+/** Result of a run, for the gold arm. */
 struct Outcome {
-  double amplitude{};      ///< [m] half of what the hand still moves in the last 2 s, along its largest axis
-  double energy{};         ///< [J] given to the hand since it was let go, as the hand knows it
-  double excess{-1.0};     ///< [J] largest surplus of that energy over what is promised; not positive if it holds
+  double amplitude{};      ///< [m] half of the hand's travel in the last 2 s, along the axis with the most
+  double energy{};         ///< [J] given to the hand since its release, measured at the hand
+  double excess{-1.0};     ///< [J] largest excess of that energy over the promise; not positive if the promise holds
   double largest_force{};  ///< [N] in the last 2 s
   double least_gain{1.0};  ///< [-] of all ticks
 };
@@ -44,7 +44,7 @@ TrainerConfig packaged() {
   return config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml");
 }
 
-/** A hand that holds still, a model that follows it and a robot that does not: any tick by tick. */
+/** A hand that holds still, a model that follows the hand and a robot that does not move, simulated tick by tick. */
 class ClosedLoop {
  public:
   ClosedLoop(const TrainerConfig& configuration, const Bench& b)
@@ -87,9 +87,9 @@ class ClosedLoop {
     stepLoop(k);
   }
 
-  /** The console's millisecond: the force that has arrived, the hand's answer. */
+  /** One millisecond of the console: the hand moves under the force that has arrived. */
   void moveHand(int k) {
-    const int given = k - 1 - bench.there;  // in the tick before, at the earliest
+    const int given = k - 1 - bench.there;  // sent in the tick before, at the earliest
     const Vector3 acting = given >= 0 ? sent[static_cast<std::size_t>(given)] : Vector3(0, 0, 0);
     const Vector3 before = hand.deflection();
     hand.step(acting + handsOwn(k));
@@ -98,14 +98,14 @@ class ClosedLoop {
     work.push_back((work.empty() ? 0.0 : work.back()) + acting.dot(hand.deflection() - before));
   }
 
-  /** What moves the hand besides. */
+  /** Forces on the hand in addition to the port's: strokes, rest position and kick. */
   Vector3 handsOwn(int k) const {
     const int since = k - static_cast<int>(bench.busy / kTickSeconds);
     if (since < 0) return {0.0, 0.03 * bench.stiffness * std::sin(kPi * k * kTickSeconds), 0.0};
     return bench.stiffness * bench.rest_I + (since < 20 ? bench.kick_I : Vector3(0, 0, 0));
   }
 
-  /** What the increments that have arrived add up to: whole micrometres of the tip. */
+  /** Sums the increments that have arrived, in whole micrometres of the tip. */
   void receiveMotion(int k) {
     const Vector3 seen = k >= bench.back ? positions[static_cast<std::size_t>(k - bench.back)] : Vector3(0, 0, 0);
     master_I = 1e-6 * (1e6 * config.console.scale * seen).array().round().matrix();
@@ -140,15 +140,15 @@ class ClosedLoop {
     least_gain = std::min(least_gain, record.haptic.gain[0]);
   }
 
-  /** Ticks of the hand in which one account of the guard holds, where the hand was seen when it began, and what it may
-   *  be given from `begin` on beyond what its damping takes. */
+  /** One account of the guard: the ticks of the hand in which it holds, and where the daemon saw the hand at its start.
+   *  The budget is the energy that the hand may get from `begin` on beyond what its damping takes. */
   struct Account {
     std::size_t begin, end;
     Vector3 anchor;
     double budget;  ///< [J]
   };
 
-  /** They begin with the first force asked for after a rest; at the hand that force acts a tick and a way later. */
+  /** An account begins with the first wanted force after a rest. At the hand it acts `there` and one tick later. */
   std::vector<Account> accounts() const {
     const PassivityConfig& guard = config.haptics.passivity;
     const auto rest = static_cast<int>(std::lround((guard.max_delay + guard.rest) / kTickSeconds)) + 1;
@@ -178,23 +178,28 @@ class ClosedLoop {
     return worst;
   }
 
-  /** The same account from a later tick on: the bank, and what the force then acting has stored. */
+  /** The same account from a later tick on. Its budget is the bank plus the energy that the acting force has stored. */
   Account since(std::size_t tick, const Account& account) const {
     const double stored = std::max(0.0, forces[tick].dot(account.anchor - positions[tick]));
     return {tick, account.end, account.anchor, config.haptics.passivity.bank + stored};
   }
 
   /**
-   * The promise (doc/haptics.md): for each tick there is an earlier one since when the hand got no more than the forces
-   * then under way and the floor give, and by when it had no more than budget + the least damping's share + what the
-   * force then acting takes back on the way to where it began. Under way are forces for a round trip, their fall at the
-   * slew and a tick. With an edge there are two accounts, and a bank more.
+   * [J] largest excess of the hand's energy over the promise (doc/haptics.md). The promise holds for a tick if an
+   * earlier tick meets both conditions:
+   *
+   * - From then on the hand got no more energy than the forces then under way and the floor give.
+   * - By then it had no more than budget + the least damping's share + the energy that the force then acting takes back
+   *   if the hand returns to where the account began.
+   *
+   * The forces under way are those of a round trip, their fall at the slew, and one tick. With an edge there are two
+   * accounts and one more bank.
    */
   double excess(const Account& account) const {
     const int fall = static_cast<int>(std::ceil(config.haptics.max_force / config.haptics.max_slew / kTickSeconds));
     const auto under_way = static_cast<std::size_t>(bench.there + bench.back + fall + 1);
     double taken = 0.0, floor = 0.0, given = 0.0, worst = -1.0;
-    std::deque<double> open;  // what was promised in the last ticks, less what was given by then
+    std::deque<double> open;  // promises of the last ticks, minus the energy given by then
     const double budget = account.budget + (config.haptics.edge.enabled ? config.haptics.passivity.bank : 0.0);
     double ended = budget, before = account.begin > 0 ? work[account.begin - 1] : 0.0;
     const double start = before;
@@ -242,7 +247,7 @@ void print(const char* what, const Outcome& o) {
 }
 
 TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
-  // GIVEN the packaged gains, a deviation of just the 3 mm at which the force begins, and a robot that stands
+  // GIVEN the packaged gains, a deviation of just the 3 mm at which the force begins, and a robot that does not move
   const TrainerConfig config = packaged();
   const Bench bench;
   const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
@@ -252,7 +257,7 @@ TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
   EXPECT_GT(plain.amplitude, 0.003);
   EXPECT_GT(plain.energy, 0.4);
   EXPECT_EQ(plain.least_gain, 1.0);
-  // and the controller leaves it what the floor of 0.05 N does: 4/pi 0.05 N / (b w) = 0.7 mm at most
+  // and with the controller only the floor of 0.05 N moves the hand: by 4/pi 0.05 N / (b w) = 0.7 mm at most
   EXPECT_LT(guarded.amplitude, 0.0007);
   EXPECT_LT(guarded.energy, 0.1 * plain.energy);
   EXPECT_LE(guarded.largest_force, config.haptics.min_force + 1e-12);
@@ -260,22 +265,23 @@ TEST(HapticPassivity, ALooseHandBehindFiftyMillisecondsEachWayIsLeftInPeace) {
 }
 
 TEST(HapticPassivity, AMinuteOfWorkBeforeDoesNotBuyALooseHandASwing) {
-  // GIVEN a minute of strokes under the standing force before the hand is let go and knocked: 0.26 J of its damping
+  // GIVEN a minute of strokes under a constant force, in which the hand's damping takes 0.26 J. Then the hand is
+  // released and knocked.
   TrainerConfig config = packaged();
   Bench bench;
   bench.busy = 60.0;
   bench.seconds = 80.0;
-  bench.kick_I = {0.0, 0.0, -1.5};  // out of the cue, which by then holds the hand 1.6 mm off
+  bench.kick_I = {0.0, 0.0, -1.5};  // knocks the hand out of the cue, which by then deflects it by 1.6 mm
   const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
   print("after a minute, plain", plain);
   print("after a minute, guarded", guarded);
   EXPECT_GT(plain.amplitude, 0.003);
   EXPECT_GT(plain.energy, 0.4);
-  // THEN it is given no more than the bank and what its damping takes
+  // THEN the hand gets no more energy than the bank and what its damping takes
   EXPECT_LT(guarded.amplitude, 0.0007);
   EXPECT_LT(guarded.energy, 0.15 * plain.energy);
   EXPECT_LE(guarded.excess, 0.0);
-  // and without a limit of the reservoir it would swing on
+  // and without a limit of the bank the hand would keep swinging
   config.haptics.passivity.bank = 1e9;
   const Outcome boundless = outcome(config, bench, true);
   print("the same without a limit", boundless);
@@ -299,7 +305,7 @@ TEST(HapticPassivity, AMinuteOfStrokesUnderTheCueIsFeltWhole) {
 }
 
 TEST(HapticPassivity, AnObserverThatReckonsWithNoDelaySeesNothing) {
-  // GIVEN the sum of force given and motion arriving, as of a device in the same computer
+  // GIVEN an observer that sums force given times motion received, as for a device in the same computer
   TrainerConfig config = packaged();
   config.haptics.passivity.max_delay = 0.0;
   const Outcome out = outcome(config, Bench{}, true);
@@ -332,7 +338,7 @@ TEST(HapticPassivity, WithoutAFloorTheHandComesToRest) {
 }
 
 TEST(HapticPassivity, APlainHandFeelsTheWholeCue) {
-  // GIVEN the console's own hand, near critical damping, and a robot 10 mm away: nothing swings, nothing is taken
+  // GIVEN the console's own hand, near critical damping, and a robot 10 mm away: no swing, nothing taken
   const TrainerConfig config = packaged();
   Bench bench;
   bench.mass = config.console.hand_mass;
@@ -363,13 +369,13 @@ TEST(HapticPassivity, AnEdgeThatSwingsTheHandYieldsAndTheCueStays) {
   print("the same, guarded", guarded);
   EXPECT_GT(plain.amplitude, 0.0015) << "the delay makes the edge swing the hand";
   EXPECT_LT(guarded.amplitude, 0.1 * plain.amplitude);
-  EXPECT_EQ(guarded.least_gain, 1.0) << "the cue did not do it";
-  EXPECT_GT(guarded.largest_force, 1.4) << "and is felt";
+  EXPECT_EQ(guarded.least_gain, 1.0) << "the cue does not swing the hand and keeps its gain";
+  EXPECT_GT(guarded.largest_force, 1.4) << "the cue is felt";
   EXPECT_LE(guarded.excess, 0.0);
 }
 
-/** Links up to the bound, hands down to the least damping, gains up to those that push such a hand away; most of them
- *  chosen so that the hand's own swing comes back from the link as a push. */
+/** Draws links with delays up to the bound, hands with damping down to the least, and gains up to those that push such
+ *  a hand away. In most draws the hand's own swing comes back from the link as a push. */
 Bench anyBench(Random* random, TrainerConfig* config) {
   Bench bench;
   bench.there = static_cast<int>(random->next() % 61);
@@ -377,7 +383,7 @@ Bench anyBench(Random* random, TrainerConfig* config) {
   bench.damping = random->uniform(config->haptics.passivity.hand_damping, 2.0);
   bench.stiffness = random->uniform(100.0, 500.0);
   const double round_trip = kTickSeconds * std::max(30, bench.there + bench.back);
-  const double omega = random->uniform(0.9, 2.1) * kPi / round_trip;  // it pushes between 1 and 2
+  const double omega = random->uniform(0.9, 2.1) * kPi / round_trip;  // the link pushes for factors between 1 and 2
   bench.mass = std::clamp(bench.stiffness / (omega * omega), 0.04, 1.0);
   config->console.scale = random->uniform(0.05, 1.0);
   config->haptics.kp = std::min(2000.0, random->uniform(0.2, 1.1) * bench.stiffness / config->console.scale);
@@ -399,14 +405,14 @@ TEST(HapticPassivity, TheHandIsNeverGivenMoreThanWasPromised) {
     TrainerConfig config = base;
     const Bench bench = anyBench(&random, &config);
     const Outcome plain = outcome(config, bench, false), guarded = outcome(config, bench, true);
-    EXPECT_LE(guarded.excess, 1e-4) << "run " << runs;  // whole micrometres of the tip are up to 20 of the hand
+    EXPECT_LE(guarded.excess, 1e-4) << "run " << runs;  // a micrometre of the tip is up to 20 of the hand
     const bool breaks = plain.excess > 1e-3;
     broken += breaks ? 1 : 0;
     stilled += breaks && guarded.amplitude < 0.1 * plain.amplitude ? 1 : 0;
   }
   std::printf("of %d loops %d break the promise without the controller; with it %d of those swing less than a tenth\n",
               runs, broken, stilled);
-  EXPECT_GT(4 * broken, runs) << "the plain law keeps to it all the same: the test shows little";
+  EXPECT_GT(4 * broken, runs) << "the plain law keeps the promise too often: the test checks little";
   EXPECT_EQ(stilled, broken);
 }
 

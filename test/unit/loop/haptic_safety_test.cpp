@@ -10,7 +10,7 @@
 #include "raven2_trainer/wire/frame_delay.h"
 #include "support/effort.h"
 
-// What reaches the hand is bounded, whatever model and robot say, and ends soon after they fall silent.
+// Tests that the force on the hand is bounded, whatever model and robot report, and ends soon after they fall silent.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -18,9 +18,9 @@ namespace {
 using raven2_trainer::testing::effort;
 
 constexpr double kRounding = 1e-9;                             // [N]
-constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // of the last good state
+constexpr std::int64_t kSilentWithin = 50 * kTickNanoseconds;  // after the last good state
 
-/** Haptic loop on states drawn at random, the wrong ones included. */
+/** The haptic loop with random states, invalid ones included. */
 class HapticSafety : public ::testing::Test {
  protected:
   static TrainerConfig packaged() {
@@ -30,7 +30,7 @@ class HapticSafety : public ::testing::Test {
   explicit HapticSafety(const TrainerConfig& configuration = packaged())
       : config(configuration), shared(std::make_unique<SharedState>()), loop(config, shared.get()) {}
 
-  /** Mostly metres of a workspace, at times anything that a double can be. */
+  /** Mostly a length in the workspace [m], sometimes any value of a double. */
   double number() {
     constexpr double kInf = std::numeric_limits<double>::infinity();
     const double odd[] = {std::nan(""), kInf, -kInf, 1e308, -1e308, 1e-310, 1e154, 0.0};
@@ -60,7 +60,7 @@ class HapticSafety : public ::testing::Test {
     shared->robot.store(robot);
   }
 
-  /** Hands that go anywhere, pedals, and paths to be guided along, broken ones included. */
+  /** Draws any hand positions, pedals and guidance paths, invalid paths included. */
   void drawMasters() {
     if (chance(200)) model.pedal ^= 1U;
     for (Vec3& place : model.master_I) {
@@ -77,7 +77,7 @@ class HapticSafety : public ::testing::Test {
     shared->guide_path.store(path);
   }
 
-  /** [s] until the next tick: 1 ms, late, or two at once as when catching up. */
+  /** Advances to the next tick: by 1 ms, late, or by almost nothing as when the loop catches up. */
   void advance() {
     const double ms[] = {1.0, 1.0, 1.0, 1.4, 0.6, 0.0, 0.01, 25.0};
     now_ns += static_cast<std::int64_t>(ms[chance(50) ? random.next() % 8 : random.next() % 3] * 1e6);
@@ -85,7 +85,7 @@ class HapticSafety : public ::testing::Test {
 
   void checkForces(std::int64_t states);
 
-  std::int64_t guided{0}, at_edge{0};  ///< ticks in which those parts asked for a force
+  std::int64_t guided{0}, at_edge{0};  ///< ticks in which guidance or edge wanted a force
   Random random{20};
   const TrainerConfig config;
   std::unique_ptr<SharedState> shared;
@@ -129,14 +129,14 @@ void HapticSafety::checkForces(std::int64_t states) {
     last_ns = now_ns;
     advance();
   }
-  // The bounds were met, or the test showed little.
+  // The forces must reach the bounds, or the test checks little.
   EXPECT_GT(largest, 0.99 * config.haptics.max_force);
   EXPECT_GT(fastest, 0.99 * config.haptics.max_slew * kTickSeconds);
 }
 
 TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
   checkForces(effort(150'000, 1'000'000));
-  EXPECT_EQ(guided + at_edge, 0) << "both are off";
+  EXPECT_EQ(guided + at_edge, 0) << "guidance and edge are off";
 }
 
 TEST_F(HapticSafety, TheConsoleIsGivenNothingWhileAClientMovesTheArms) {
@@ -165,17 +165,18 @@ TEST_F(HapticSafety, TheConsoleIsGivenNothingWhileAClientMovesTheArms) {
   const Vec3 all = shared->haptic.load().force_I[0];
   ASSERT_GT(toEigen(all).norm(), 0.5);
   EXPECT_EQ(before, all);
-  for (int i = 0; i < 25; ++i)  // from 3.3 N in 24 ms at most
+  for (int i = 0; i < 25; ++i)  // the force falls from 3.3 N in 24 ms at most
     given(true);
   EXPECT_EQ(given(true), 0.0);
-  EXPECT_GT(toEigen(shared->haptic.load().force_I[0]).norm(), 0.5) << "which the client may have";
+  EXPECT_GT(toEigen(shared->haptic.load().force_I[0]).norm(), 0.5)
+      << "the published state keeps the force for the client";
   for (int i = 0; i < 25; ++i)
     given(false);
   given(false);
   EXPECT_EQ(before, shared->haptic.load().force_I[0]);
 }
 
-/** Guidance and the workspace's edge as well. */
+/** With guidance and the workspace's edge as well. */
 class HapticSafetyOfAllParts : public HapticSafety {
  protected:
   HapticSafetyOfAllParts() : HapticSafety(withAllParts()) {}
@@ -193,12 +194,12 @@ TEST_F(HapticSafetyOfAllParts, ForcesAreFiniteBoundedAndSlow) {
   EXPECT_GT(at_edge, 100);
 }
 
-/** A slew and the longest stale_after that the loader takes with it: 50 ms less the doubt, the fall and two ticks. */
+/** A slew and the longest stale_after that the loader accepts with it: 50 ms minus kDoubtNs, the fall and two ticks. */
 struct Fall {
   double max_slew, stale_after;
 };
 constexpr Fall kFalls[]{{140.0, 0.02}, {82.5, 0.004}, {140.0, 0.0204}, {10000.0, 0.04367}};
-constexpr std::int64_t kDoubtNs = wire::FrameDelay::kMaxErrorNs;  // a state may be so much older than it looks
+constexpr std::int64_t kDoubtNs = wire::FrameDelay::kMaxErrorNs;  // a state may be this much older than it looks
 
 class StaleState : public HapticSafety, public ::testing::WithParamInterface<std::tuple<int, Fall>> {
  protected:
@@ -242,7 +243,7 @@ TEST_P(StaleState, IsNotFeltFiftyMillisecondsLater) {
       ASSERT_NEAR(toEigen(force.force_B[0]).norm(), config.haptics.max_force, kRounding);
       ASSERT_NEAR(toEigen(force.force_B[1]).norm(), config.haptics.max_force, kRounding);
     }
-    // THEN 50 ms after the last good state nothing is left of it, on the console's side of the loop's next tick
+    // THEN the force is zero 50 ms after the last good state. The console keeps a force until the loop's next tick.
     if (now_ns + kTickNanoseconds - last_good_ns >= kSilentWithin) {
       ++silent_ticks;
       ASSERT_EQ(force.force_I[0], Vec3{}) << i;

@@ -1,5 +1,5 @@
-// What the daemon takes from a bad link, against the rule of doc/wire.md written down a second time: a packet counts if
-// it is newer than every packet that counted before, and at most 64 ahead of the newest.
+// Compares the packets that the daemon accepts from a bad link with a second implementation of the rule in doc/wire.md.
+// A packet counts if it is newer than every packet that counted before, and at most 64 ahead of the newest.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ wire::ItpBytes packet(std::uint32_t sequence, Random* random) {
   return wire::encodeItp(p);
 }
 
-/** One cell: an option of each kind is on or off. */
+/** One combination: each kind of impairment is on or off. */
 using Cell = std::tuple<bool, bool, bool, bool>;
 
 class ImpairedIngest : public ::testing::TestWithParam<Cell> {
@@ -95,7 +95,7 @@ TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
   for (; channel.nextDue(); now += kMillisecond)
     deliver();
 
-  // The rule a second time, on the order of arrival.
+  // The second implementation of the rule, in the order of arrival.
   Random again(9);
   std::vector<wire::ItpBytes> all;
   for (std::uint32_t sequence = 1; sequence <= packets; ++sequence)
@@ -117,7 +117,7 @@ TEST_P(ImpairedIngest, AppliesEveryAcceptedPacketOnceAndNoOther) {
     }
   }
   EXPECT_EQ(applied, accepted);
-  EXPECT_EQ(sum, expected_sum) << "bit by bit";
+  EXPECT_EQ(sum, expected_sum) << "the sums agree bit by bit";
   EXPECT_EQ(ingest.counts().received, 1 + arrivals.size());
   EXPECT_EQ(ingest.counts().applied, 1 + accepted.size());
   EXPECT_TRUE(ingest.counts().addsUp());

@@ -48,7 +48,7 @@ TEST(MasterIngest, CountsEveryDatagramByItsReason) {
   nan.sequence = 2;
   nan.Qx[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(give(wire::encodeItp(nan), wire::kItpSize), Reject::kNotFinite);
-  EXPECT_EQ(give(packet(2), wire::kItpSize), Reject::kNone) << "none of them moved the window";
+  EXPECT_EQ(give(packet(2), wire::kItpSize), Reject::kNone) << "the rejected packets did not move the window";
   EXPECT_EQ(ingest.counts().received, 8U);
   EXPECT_EQ(ingest.counts().applied, 2U);
   EXPECT_TRUE(ingest.counts().addsUp());

@@ -6,7 +6,7 @@
 #include "support/effort.h"
 #include "support/rig.h"
 
-// How model and robot are kept together: the rules in the comment of PhysicsLoop.
+// Tests how model and robot stay together: the rules are in the comment of PhysicsLoop.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -50,7 +50,7 @@ TEST_F(Linking, ClutchingLeavesNoOffset) {
   const auto clutches = static_cast<int>(raven2_trainer::testing::effort(30, 100));
   for (int clutch = 0; clutch < clutches; ++clutch) {
     stroke(100, clutch % 2 == 0 ? 1.0 : -1.0);
-    rest(true, 20 + static_cast<int>(random.uniform(0, 20)));  // released while both still settle
+    rest(true, 20 + static_cast<int>(random.uniform(0, 20)));  // the pedal goes up while both still settle
     rest(false, 60);
     ASSERT_LT(rig->error(Arm::kGold), 0.5e-3) << "after clutch " << clutch;
   }
@@ -93,7 +93,7 @@ TEST_F(Linking, AReturningRobotIsNotMovedNorFeltBeforeTheNextPedalDown) {
   rest(true, 100);
   rig->robot_connected = false;
   rig->link.disconnected();
-  stroke(400, 1.0);  // the model goes 10 mm away on its own
+  stroke(400, 1.0);  // the model moves 10 mm without the robot
   rig->robot_connected = true;
   rig->connect();
   for (int i = 0; i < 300; ++i) {
@@ -101,7 +101,7 @@ TEST_F(Linking, AReturningRobotIsNotMovedNorFeltBeforeTheNextPedalDown) {
     ASSERT_EQ(rig->last_relay.command.pedal, 0);
     ASSERT_EQ(rig->force().force_B[0], Vec3{});
   }
-  EXPECT_GT(rig->error(Arm::kGold), 5e-3) << "they stand apart, or the test shows nothing";
+  EXPECT_GT(rig->error(Arm::kGold), 5e-3) << "model and robot must be apart, or the test checks nothing";
   rest(false, 1000);
   EXPECT_LT(rig->error(Arm::kGold), 0.1e-3) << "pedal up: the model goes back to the robot";
   rest(true, 50);
@@ -110,14 +110,14 @@ TEST_F(Linking, AReturningRobotIsNotMovedNorFeltBeforeTheNextPedalDown) {
 
 class DeafRobot : public Linking {
  protected:
-  /** The robot hears nothing for so long, with these presses in it; then it hears again. */
+  /** The robot hears nothing for `before` + `held` ticks, the pedal down in the last `held`; then it hears again. */
   void run(int before, int held, int after) {
     rest(true, 100);
     rest(false, 100);
     rig->robot_hears = false;
     rest(false, before);
     rest(true, held);
-    EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "or it is not deaf";
+    EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "the robot must not hear the press";
     rig->robot_hears = true;
     for (int i = 0; i < after; ++i) {
       rig->tick(true, {20e-6, 0.0, 0.0});
@@ -131,7 +131,7 @@ TEST_F(DeafRobot, IsNotEngagedByAPressThatItDidNotHear) {
   run(300, 2000, 500);
   rest(false, 200);
   rest(true, 100);
-  EXPECT_EQ(rig->model().linked, 1) << "a new press";
+  EXPECT_EQ(rig->model().linked, 1) << "a new press engages the robot";
   EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalDown);
 }
 
@@ -144,7 +144,7 @@ TEST_F(DeafRobot, ThatLetGoByItselfIsNotEngagedByAPedalThatStayedDown) {
   rig->robot_hears = false;
   for (int i = 0; i < 8000 && rig->robot().runlevel == RunLevel::kPedalDown; ++i)
     rig->tick(true);
-  ASSERT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "it takes the pedal as released";
+  ASSERT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "the robot takes the pedal as released";
   rig->robot_hears = true;
   rest(true, 500);
   EXPECT_EQ(rig->model().linked, 0);
@@ -161,7 +161,7 @@ TEST_F(DeafRobot, IsNoneWhoReportsNoSequence) {
 }
 
 TEST_F(Linking, ARobotThatStartsAnewIsNotLinkedBeforeItIsHomed) {
-  // GIVEN a robot that restarts behind the daemon's back: its E-STOP is never seen, its first frame says INIT
+  // GIVEN a robot that restarts unnoticed: the daemon never sees its E-STOP, and its first frame says INIT
   RobotState anew;
   anew.cycle = 1;
   anew.runlevel = RunLevel::kInit;
@@ -190,7 +190,7 @@ TEST_F(Linking, DisengagedTheModelMovesAloneUntilEngagedAndPressedAgain) {
   stroke(300, 1.0);
   EXPECT_LT((toEigen(rig->robot().arms[0].p_BT) - toEigen(robot_before)).norm(), 0.3e-3);
   EXPECT_GT(rig->error(Arm::kGold), 3e-3);
-  EXPECT_EQ(rig->force().force_B[0], Vec3{}) << "apart on purpose: no hazard";
+  EXPECT_EQ(rig->force().force_B[0], Vec3{}) << "model and robot are apart on purpose, which is no hazard";
 }
 
 TEST_F(Linking, ASilentMasterCountsAsPedalUp) {

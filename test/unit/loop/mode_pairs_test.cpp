@@ -4,7 +4,7 @@
 
 #include "support/mode_driver.h"
 
-// From every mode to every other one, or to a refusal, without a hand that moves: nothing may jump.
+// Goes from every mode to every other one, or to a refusal, while no hand moves: nothing may jump.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -33,7 +33,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     d->rest(down, ticks);
   }
 
-  /** 2 mm by hand where that is wanted, else none. */
+  /** Presses the pedal. If `moves`, the hand moves the tip by 2 mm. */
   void move(bool moves) {
     if (!pedal) press(true);
     if (moves) d->stroke(80, away = -away);
@@ -45,7 +45,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     d->answerPlan(pedal);
   }
 
-  /** What a surgeon would do for this mode, whatever there is now. */
+  /** Does what a surgeon would do to reach `mode` from any other mode. */
   void lead(Mode mode, bool moves) {
     switch (mode) {
       case Mode::kTeleoperating:
@@ -54,7 +54,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
         return ask(RequestKind::kPlan);
       case Mode::kTracking:
         plan();
-        return d->rest(pedal, 420);  // to its end
+        return d->rest(pedal, 420);  // until the path was shown to its end
       case Mode::kStopped:
         if (moves) lead(Mode::kSimulating, moves);  // away from the robot
         return ask(RequestKind::kEmergencyStop);
@@ -88,7 +88,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
         return ask(RequestKind::kEndSimulation);
       case Mode::kCameraMoving:
         return ask(RequestKind::kSetCameraPedal, 1);
-      case Mode::kReplaying:  // 8 mm from the robot at its end, and then no further
+      case Mode::kReplaying:  // the replay moves the model 8 mm from the robot and then holds
         d->beginReplay(150, /*ends=*/false, pedal);
         return d->rest(pedal, 160);
       default:
@@ -96,7 +96,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     }
   }
 
-  /** Back to teleoperation with the pedal up, whatever there is now. */
+  /** Goes back to teleoperation with the pedal up, from any mode. */
   void giveUp() {
     press(false);
     ask(RequestKind::kSetCameraPedal, 0);
@@ -105,7 +105,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     ask(RequestKind::kEndSimulation);
     ask(RequestKind::kDiscardTrial);
     ask(RequestKind::kEndReplay);
-    for (int i = 0; i < 4; ++i)  // no more can be under way
+    for (int i = 0; i < 4; ++i)  // at most four plans can be under way
       d->answerPlan();
     for (int i = 0; i < 3000 && d->mode() != Mode::kPedalUp; ++i) {
       const bool waits = d->mode() == Mode::kPaused || d->mode() == Mode::kTracking;
@@ -114,8 +114,8 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
     press(false, 20);
   }
 
-  /** What is shown of a goal or a path is put back at once, with the pedal up, and what is shown of a session comes and
-   *  goes at once: of nothing else that moves the model. */
+  /** @return whether this change of mode may move the model at once. With the pedal up the model returns at once from a
+   *  goal or a path that it showed. A session that it shows comes and goes at once. No other change moves it so. */
   static bool putsBack(Mode before, Mode now) {
     if (before == Mode::kReplaying || now == Mode::kReplaying) return true;
     if (before == Mode::kChoosing) return now != Mode::kChoosing;
@@ -146,7 +146,7 @@ class ModePairs : public ::testing::TestWithParam<Mode> {
 };
 
 TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
-  // Linked, or put back by a pause, the model is pulled by what it lagged behind.
+  // A model that is linked, or that a pause has put back, still catches up with its lag.
   const bool follows_hands = GetParam() == Mode::kTeleoperating || GetParam() == Mode::kPaused;
   double worst_step = 0.0, worst_stray = 0.0, worst_error = 0.0;
   int changes = 0;
@@ -154,7 +154,7 @@ TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
     SCOPED_TRACE(kModeNames[static_cast<std::size_t>(next)]);
     lead(GetParam(), true);
     ASSERT_EQ(d->mode(), GetParam());
-    if (GetParam() != Mode::kReturning) d->rest(pedal, GetParam() == Mode::kExecuting ? 20 : 100);  // hands still
+    if (GetParam() != Mode::kReturning) d->rest(pedal, GetParam() == Mode::kExecuting ? 20 : 100);  // hands at rest
     ASSERT_EQ(d->mode(), GetParam());
     before = d->rig.model();
     stood = {d->robotTip(Arm::kGold), d->robotTip(Arm::kGreen)};
@@ -172,16 +172,16 @@ TEST_P(ModePairs, LeadToEveryOtherModeWithoutAJump) {
     const double error = std::max(d->rig.error(Arm::kGold), d->rig.error(Arm::kGreen));
     d->watch = nullptr;
     press(false, 20);
-    EXPECT_FALSE(sends) << "nobody moved a hand";
+    EXPECT_FALSE(sends) << "no hand moved";
     EXPECT_FALSE(pushes);
-    EXPECT_LT(strayed, 0.5e-3) << "the robot stands";
+    EXPECT_LT(strayed, 0.5e-3) << "the robot does not move";
     EXPECT_LT(largest, follows_hands ? 0.5e-3 : 0.1e-3) << "the model does not jump";
     EXPECT_LT(error, 0.5e-3);
     worst_step = std::max(worst_step, largest);
     worst_stray = std::max(worst_stray, strayed);
     worst_error = std::max(worst_error, error);
   }
-  EXPECT_GE(changes, GetParam() == Mode::kStopped ? 0 : 1);  // nothing leaves a stop but its end
+  EXPECT_GE(changes, GetParam() == Mode::kStopped ? 0 : 1);  // only the end of a stop leaves it
   std::printf("from %s: model at most %.3f mm a tick, robot %.3f mm, error at pedal-down %.3f mm\n",
               kModeNames[static_cast<std::size_t>(GetParam())], worst_step * 1e3, worst_stray * 1e3, worst_error * 1e3);
 }

@@ -39,11 +39,10 @@ TEST(ModelDriver, AtItsTargetOnlyGravityIsCompensated) {
   const PerArm<JointArray> tau = drive.driver.step({drive.home, drive.home});
   for (std::size_t j = 0; j < kJointCount; ++j)
     EXPECT_NEAR(at(tau, Arm::kGold)[j], held[j], 1e-6) << kJointNames[j];
-  EXPECT_GT(std::abs(held[kElbow]), 0.1) << "[Nm] or the test could not tell";
+  EXPECT_GT(std::abs(held[kElbow]), 0.1) << "[Nm] gravity must be large enough to be seen";
 }
 
-/** Gold's joints after a second of going for a little more of each joint, once moved aside by `aside` at half a second.
- */
+/** Gold's joints after a second with a goal 0.01 beyond home. At half a second the insertion is moved by `aside`. */
 JointArray afterASecond(bool open_loop, double aside) {
   const TrainerConfig config = raven2_trainer::testing::packagedConfig();
   Drive drive(config);
@@ -69,7 +68,8 @@ TEST(ModelDriver, InOpenLoopAnArmGoesWhereItsLawWouldTakeItButIsNotBroughtBack) 
   const JointArray closed = afterASecond(false, 0.0), open = afterASecond(true, 0.0);
   for (std::size_t j = 0; j < kJointCount; ++j)
     EXPECT_NEAR(open[j], closed[j], 1e-6) << kJointNames[j];
-  EXPECT_NEAR(afterASecond(false, 0.002)[kInsertion], closed[kInsertion], 0.0005) << "the law brings it back";
+  EXPECT_NEAR(afterASecond(false, 0.002)[kInsertion], closed[kInsertion], 0.0005)
+      << "the control law brings the joint back";
   EXPECT_NEAR(afterASecond(true, 0.002)[kInsertion], closed[kInsertion] + 0.002, 0.0005);
 }
 
@@ -89,7 +89,8 @@ TEST(ModelDriver, AResetClosesTheLoopOfItsArm) {
     for (int i = 0; i < 1000; ++i)
       drive.driver.step({drive.home, drive.home});
     EXPECT_NEAR(drive.q(closed)[kElbow], drive.home[kElbow], 0.005) << name(closed);
-    EXPECT_GT(drive.q(otherArm(closed))[kElbow], drive.home[kElbow] + 0.01) << name(closed) << ": the other stays";
+    EXPECT_GT(drive.q(otherArm(closed))[kElbow], drive.home[kElbow] + 0.01)
+        << name(closed) << ": the other arm stays displaced";
   }
 }
 
@@ -106,7 +107,7 @@ TEST(ModelDriver, WithoutCompensationTheArmSags) {
   }
   EXPECT_NEAR(held.q(Arm::kGold)[kElbow], held.home[kElbow], 1e-7);
   const double load = sagging.world.gravityTorque(Arm::kGold)[kElbow];
-  // the joint settles where the stiffness carries the load
+  // The joint settles where its stiffness carries the load.
   EXPECT_NEAR(sagging.q(Arm::kGold)[kElbow] - sagging.home[kElbow], -load / config.model.gains[kElbow].kp, 1e-5);
 }
 

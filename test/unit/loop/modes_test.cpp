@@ -3,7 +3,7 @@
 #include "raven2_trainer/core/pedals.h"
 #include "support/mode_driver.h"
 
-// Pure simulation, the way back to the robot, emergency stops, the camera, view and tools: doc/modes.md.
+// Tests pure simulation, the return to the robot, emergency stops, the camera, view and tools: doc/modes.md.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -19,7 +19,7 @@ class Modes : public ::testing::Test {
     ASSERT_TRUE(d->begin());
   }
 
-  /** 15 mm away from the robot, in pure simulation, pedal up. */
+  /** Moves the model 15 mm away from the robot in pure simulation. The pedal is up at the end. */
   void simulate() {
     ASSERT_EQ(d->ask(RequestKind::kBeginSimulation), PlanningAnswer::kAccepted);
     ASSERT_EQ(d->mode(), Mode::kSimulationHeld);
@@ -76,19 +76,19 @@ TEST_F(Modes, TheModelGlidesBackAndOnlyThenThePedalCounts) {
   ASSERT_EQ(d->mode(), Mode::kReturning);
   int ticks = 0;
   for (; d->mode() == Mode::kReturning && ticks < 5000; ++ticks) {
-    d->rest(true, 1);  // pressed all the while
+    d->rest(true, 1);  // the pedal stays down
     if (d->mode() == Mode::kReturning) {
       ASSERT_EQ(d->rig.model().pedal, 0);
       ASSERT_EQ(d->rig.last_relay.command.pedal, 0);
     }
   }
-  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "the press waited";
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "the press counts once the return has ended";
   EXPECT_EQ(d->rig.model().linked, 1);
   EXPECT_LT(d->rig.error(Arm::kGold), 0.1e-3);
   EXPECT_LT(d->rig.error(Arm::kGreen), 0.1e-3);
   EXPECT_GT(ticks, 100);
   EXPECT_LT(fastest, 0.5e-3);
-  EXPECT_GT(fastest, away / ticks) << "or it did not move at all";
+  EXPECT_GT(fastest, away / ticks) << "the model must have moved";
   d->rest(true, 300);
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
 }
@@ -103,7 +103,7 @@ TEST_F(Modes, TheJawsComeBackAsModelAndRobotHadThem) {
   ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
   EXPECT_NEAR(kinematics::jawOpening(d->rig.model().arms[0].q_d), opening, 1e-9);
   d->rest(true, 100);
-  // home is 0.8 mrad more than ITP may ask for
+  // The jaws' opening at home is 0.8 mrad beyond ITP's limit.
   EXPECT_NEAR(kinematics::jawOpening(d->rig.model().arms[0].q_d), opening, 1e-3);
 }
 
@@ -174,7 +174,7 @@ TEST_F(Modes, ARobotThatMovedMeanwhileIsFound) {
   simulate();
   ASSERT_EQ(d->ask(RequestKind::kEndSimulation), PlanningAnswer::kAccepted);
   d->rest(false, 20);
-  // WHEN its state says that it is 8 mm elsewhere from now on
+  // WHEN its state reports a position 8 mm away from now on
   RobotState elsewhere = d->rig.robot();
   elsewhere.arms[0].q[kInsertion] += 0.008;
   d->rig.robot_connected = false;
@@ -206,10 +206,10 @@ TEST_F(Modes, AStopIsForEverythingAndClearedWithThePedalUp) {
   EXPECT_LT(apart(d->robotTip(), stopped), 0.5e-3);
   EXPECT_EQ(d->ask(RequestKind::kClearStop, true), PlanningAnswer::kNotNow);
   d->rest(false, 5);
-  EXPECT_EQ(d->mode(), Mode::kStopped) << "letting go clears nothing";
+  EXPECT_EQ(d->mode(), Mode::kStopped) << "releasing the pedal does not clear the stop";
   EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kAccepted);
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
-  EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kNotNow) << "there is none";
+  EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kNotNow) << "there is no stop to clear";
   d->rest(true, 100);
   EXPECT_EQ(d->mode(), Mode::kTeleoperating);
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
@@ -245,7 +245,7 @@ TEST_F(Modes, LostTimeLeavesASimulationASimulation) {
   ASSERT_EQ(d->mode(), Mode::kSimulating);
   d->rig.physics.timeSlip();
   d->rest(true, 100);
-  EXPECT_EQ(d->mode(), Mode::kSimulationHeld) << "until a new pedal-down";
+  EXPECT_EQ(d->mode(), Mode::kSimulationHeld) << "the simulation is held until a new pedal-down";
   d->rest(false, 5);
   d->rest(true, 5);
   EXPECT_EQ(d->mode(), Mode::kSimulating);
@@ -266,9 +266,9 @@ TEST_F(Modes, TheCamerasPedalMovesTheCameraAndNothingElse) {
   EXPECT_EQ(moved.target_W, before.target_W);
   EXPECT_LT(apart(d->robotTip(), gold), 0.5e-3);
   EXPECT_LT(apart(d->modelTip(), gold), 0.5e-3);
-  // WHEN it goes up again with the other still down
+  // WHEN the camera's pedal goes up again while the arms' pedal is still down
   EXPECT_EQ(d->ask(RequestKind::kSetCameraPedal, true, 0, 0), PlanningAnswer::kAccepted);
-  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "pressed anew in the same tick";
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "the arms' pedal counts as pressed again in the same tick";
   EXPECT_EQ(d->rig.model().linked, 1);
   EXPECT_EQ(d->rig.model().pedals, 0U);
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
@@ -291,7 +291,7 @@ TEST_F(Modes, TheCamerasPedalWorksWithTheOtherUpAndGoesBackToWhatThereWas) {
   const Vec3 held = d->modelTip();
   d->ask(RequestKind::kSetCameraPedal, false, 0, 1);
   d->rest(false, 300);
-  EXPECT_LT(apart(d->modelTip(), held), 0.2e-3) << "away from the robot it holds";
+  EXPECT_LT(apart(d->modelTip(), held), 0.2e-3) << "away from the robot the model holds its position";
   d->ask(RequestKind::kSetCameraPedal, false, 0, 0);
   EXPECT_EQ(d->mode(), Mode::kSimulationHeld);
 }
@@ -334,7 +334,7 @@ TEST_F(Modes, APressAfterAShownPathWaitsUntilTheModelIsBack) {
   EXPECT_EQ(d->mode(), Mode::kReturning);
   EXPECT_TRUE(d->waitFor(Mode::kTeleoperating, 3000, true));
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
-  EXPECT_EQ(d->rig.model().planning.status, PlanningStatus::kReady) << "and the plan may still be followed by hand";
+  EXPECT_EQ(d->rig.model().planning.status, PlanningStatus::kReady) << "the surgeon may still follow the plan by hand";
 }
 
 }  // namespace

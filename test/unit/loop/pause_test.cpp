@@ -2,7 +2,7 @@
 
 #include "support/rig.h"
 
-// What lost time does to the exercise: PhysicsLoop::timeSlip().
+// Tests how lost time affects the exercise: PhysicsLoop::timeSlip().
 
 namespace raven2_trainer::loop {
 namespace {
@@ -44,15 +44,16 @@ TEST_F(Pause, LostTimeHoldsTheModelStopsTheSessionsClockAndReleasesTheRobot) {
     rig->tick(true, {20e-6, 0.0, 0.0});
     ASSERT_EQ(rig->model().mode, Mode::kPaused);
     ASSERT_EQ(rig->last_relay.command.pedal, 0);
-    ASSERT_EQ(rig->model().session_tick, before.session_tick + 1) << "the tick that was due, and no more";
+    ASSERT_EQ(rig->model().session_tick, before.session_tick + 1)
+        << "the session gets the tick that was due, and no more";
   }
-  EXPECT_EQ(rig->model().tick, before.tick + 500) << "simulated time itself goes on";
+  EXPECT_EQ(rig->model().tick, before.tick + 500) << "the simulated time goes on";
   EXPECT_LT((toEigen(rig->model().arms[0].p_BT) - toEigen(before.arms[0].p_BT)).norm(), 0.3e-3);
   EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp);
   EXPECT_EQ(rig->force().force_B[0], Vec3{});
 }
 
-/** Of one tick: what went to the robot as one packet. */
+/** A jump is the motion of one tick, which goes to the robot as one packet. */
 TEST_F(Pause, WhatWaitsAfterAStallIsNeverOneJump) {
   rest(true, 200);
   ASSERT_EQ(rig->model().linked, 1);
@@ -60,7 +61,7 @@ TEST_F(Pause, WhatWaitsAfterAStallIsNeverOneJump) {
   MasterCommand command;
   command.pedal = 1;
   command.dp_I[0] = {100e-6, -60e-6, 0.0};
-  constexpr int kWaiting = 130;  // of a hand at 1 m/s; physics stood still for 130 ms
+  constexpr int kWaiting = 130;  // commands of a hand at 1 m/s; the physics was stopped for 130 ms
   for (int i = 0; i < kWaiting; ++i)
     rig->send(command);
   Vec3 sent{};
@@ -72,8 +73,8 @@ TEST_F(Pause, WhatWaitsAfterAStallIsNeverOneJump) {
     for (std::size_t axis = 0; axis < 3; ++axis)
       sent[axis] += dp[axis];
   }
-  EXPECT_EQ(ticks, 7) << "20 packets of 100 um fill the 2 mm of one";
-  EXPECT_NEAR(sent[1], -60e-6 * kWaiting, 1e-9) << "and none is lost";
+  EXPECT_EQ(ticks, 7) << "20 commands of 100 um fill the 2 mm of one packet";
+  EXPECT_NEAR(sent[1], -60e-6 * kWaiting, 1e-9) << "no increment is lost";
 }
 
 TEST_F(Pause, OnlyANewPedalDownGoesOnAndFromACommonPose) {
@@ -88,14 +89,14 @@ TEST_F(Pause, OnlyANewPedalDownGoesOnAndFromACommonPose) {
   EXPECT_EQ(rig->model().linked, 1);
   EXPECT_LT(rig->error(Arm::kGold), 0.1e-3);
   rest(true, 50);
-  EXPECT_EQ(rig->model().session_tick, stopped + 50) << "the clock goes on where it stood";
+  EXPECT_EQ(rig->model().session_tick, stopped + 50) << "the session's clock continues where it stopped";
 }
 
 TEST_F(Pause, AForceEndsWithinFiftyMilliseconds) {
   // GIVEN a model 10 mm ahead of a robot that does not get its increments
   rest(true, 100);
   for (int i = 0; i < 400 && toEigen(rig->force().force_B[0]).norm() < 0.5; ++i) {
-    rig->tick(true, {900e-6, 0.0, 0.0});  // faster than the robot can
+    rig->tick(true, {900e-6, 0.0, 0.0});  // faster than the robot can move
   }
   ASSERT_GT(toEigen(rig->force().force_B[0]).norm(), 0.4);
   rig->physics.timeSlip();

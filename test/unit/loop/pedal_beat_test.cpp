@@ -25,7 +25,7 @@ TEST(PedalBeat, TellsOfEachChangeAtOnceAndAgainEveryTenMilliseconds) {
     EXPECT_EQ(packet->held, held);
     EXPECT_EQ(packet->sequence, ++sequence) << "each is newer than the one before";
   }
-  EXPECT_EQ(told, (std::vector<int>{5, 15, 25, 28, 38})) << "the release is told, and told again";
+  EXPECT_EQ(told, (std::vector<int>{5, 15, 25, 28, 38})) << "the release is sent, and sent again";
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ class Gate : public ::testing::Test {
     return gate.take({++sequence, held}, now_ns, mode, view);
   }
 
-  /** What one press asks for, let go afterwards. */
+  /** Presses and releases a pedal. @return the request of the press. */
   RequestKind pressOf(Pedal pedal, Mode mode) {
     const PedalRequests requests = take(bit(pedal), mode);
     EXPECT_EQ(requests.count, 1U);
@@ -32,7 +32,7 @@ TEST_F(Gate, APressAsksOnceHoweverLongItIsHeld) {
   EXPECT_EQ(take(bit(Pedal::kToolChange)).count, 1U);
   for (int i = 0; i < 100; ++i)
     EXPECT_EQ(take(bit(Pedal::kToolChange)).count, 0U);
-  EXPECT_EQ(take(0).count, 0U) << "nor does its release";
+  EXPECT_EQ(take(0).count, 0U) << "a release asks for nothing";
   EXPECT_EQ(take(bit(Pedal::kToolChange)).items[0].kind, RequestKind::kToolChange);
 }
 
@@ -71,7 +71,7 @@ TEST_F(Gate, TheCamerasPedalAsksForBothAndTheViewChanges) {
 TEST_F(Gate, LateAndDoubledPacketsAreNotHeard) {
   sequence = 10;
   take(bit(Pedal::kCamera));
-  EXPECT_EQ(gate.take({11, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U) << "the same number again";
+  EXPECT_EQ(gate.take({11, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U) << "the packet's number is the same again";
   EXPECT_EQ(gate.take({7, 0}, now_ns, Mode::kCameraMoving, 0).count, 0U);
   EXPECT_EQ(gate.check(11, now_ns), Reject::kDuplicate);
   EXPECT_EQ(gate.check(7, now_ns), Reject::kOutOfOrder);
@@ -83,18 +83,18 @@ TEST_F(Gate, LateAndDoubledPacketsAreNotHeard) {
 TEST_F(Gate, NumbersWrap) {
   sequence = 0xFFFFFFFEU;
   take(0);
-  EXPECT_EQ(take(bit(Pedal::kStop)).count, 1U) << "number 0";
+  EXPECT_EQ(take(bit(Pedal::kStop)).count, 1U) << "this packet has number 0";
 }
 
 TEST_F(Gate, SilenceLetsGoAndWhoComesBackIsHeard) {
   take(bit(Pedal::kCamera) | bit(Pedal::kStop));
   EXPECT_EQ(gate.idle(now_ns + 199 * kMillisecond).count, 0U);
   const PedalRequests silent = gate.idle(now_ns + 201 * kMillisecond);
-  ASSERT_EQ(silent.count, 1U) << "of those that were held only the camera's release asks";
+  ASSERT_EQ(silent.count, 1U) << "of the held pedals only the camera's makes a request when released";
   EXPECT_EQ(silent.items[0].kind, RequestKind::kSetCameraPedal);
   EXPECT_EQ(silent.items[0].enabled, static_cast<std::uint8_t>(CameraPedal::kSilent));
   EXPECT_EQ(gate.idle(now_ns + 300 * kMillisecond).count, 0U);
-  sequence = 0;  // a master that started anew
+  sequence = 0;  // a master that started again
   now_ns += 400 * kMillisecond;
   EXPECT_EQ(take(bit(Pedal::kToolChange)).count, 1U);
 }
@@ -104,7 +104,7 @@ TEST_F(Gate, WhatIsHeldThroughAnOutageWasNotPressedAgain) {
   EXPECT_EQ(take(held).count, 3U);
   now_ns += 500 * kMillisecond;
   EXPECT_EQ(gate.idle(now_ns).count, 0U);
-  EXPECT_EQ(take(held, Mode::kTrialHeld).count, 0U) << "the trial goes on";
+  EXPECT_EQ(take(held, Mode::kTrialHeld).count, 0U) << "the pedal held through the outage does not end the trial";
   take(0);
   EXPECT_EQ(take(bit(Pedal::kTrial), Mode::kTrialHeld).count, 1U);
 }

@@ -7,7 +7,7 @@
 #include "support/mode_driver.h"
 #include "unit/wire/gate_bench.h"
 
-// Pedals beside ITP, from their packet to the mode.
+// Tests packets of pedals that arrive next to ITP, from the packet to the mode.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -29,7 +29,7 @@ class PedalIngest : public ::testing::Test {
     return d->rig.ingest.receive({bytes.data(), bytes.size(), source, d->rig.model().time_ns});
   }
 
-  /** Pressed and let go. */
+  /** Presses and releases a pedal. */
   void press(Pedal pedal) {
     EXPECT_EQ(send(bit(pedal)), Reject::kNone);
     d->rest(false, 1);
@@ -86,7 +86,7 @@ TEST_F(PedalIngest, SilenceReleasesTheCamera) {
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
 }
 
-/** The surgeon still moves the camera, with both pedals down: what is lost is only the packet of one of them. */
+/** The surgeon still moves the camera, with both pedals down. Only the packets of one pedal are lost. */
 TEST_F(PedalIngest, SilenceOfTheCamerasPedalDoesNotSetTheArmsMoving) {
   d->rest(true, 100);
   ASSERT_EQ(d->mode(), Mode::kTeleoperating);
@@ -105,7 +105,7 @@ TEST_F(PedalIngest, SilenceOfTheCamerasPedalDoesNotSetTheArmsMoving) {
   EXPECT_LT(raven2_trainer::testing::apart(d->modelTip(), before), 1e-3);
   d->rest(false, 2);
   d->rest(true, 50);
-  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "a pedal-down of its own counts";
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "a new press of the arms' pedal counts";
 }
 
 TEST_F(PedalIngest, WhoLiftsTheCamerasPedalGoesOnWithTheArms) {
@@ -134,7 +134,7 @@ TEST_F(PedalIngest, TheLateAnswerToAPlanThatWasGivenUpIsNotTheNextOnes) {
   late.status = PlanStatus::kNoPath;
   ASSERT_TRUE(d->rig.shared->plan_results.tryPush(late));
   d->rest(false, 1);
-  EXPECT_EQ(d->mode(), Mode::kPlanning) << "the second is still waited for";
+  EXPECT_EQ(d->mode(), Mode::kPlanning) << "the second plan is still under way";
   EXPECT_EQ(d->rig.shared->last_plan.load().status, PlanStatus::kCancelled);
   late.id = asked[1].id;
   ASSERT_TRUE(d->rig.shared->plan_results.tryPush(late));
@@ -144,7 +144,7 @@ TEST_F(PedalIngest, TheLateAnswerToAPlanThatWasGivenUpIsNotTheNextOnes) {
 
 TEST_F(PedalIngest, TheAnswerToAClientStaysWhateverPedalsAskFor) {
   ASSERT_EQ(d->ask(RequestKind::kSetView), PlanningAnswer::kAccepted);
-  for (int i = 0; i < 3; ++i) {  // begun, recorded, given up
+  for (int i = 0; i < 3; ++i) {  // begin, record, give up
     press(Pedal::kPlanning);
     EXPECT_EQ(d->rig.model().planning.answered, d->last_id);
     EXPECT_EQ(d->rig.model().planning.answer, PlanningAnswer::kAccepted);
@@ -170,8 +170,8 @@ TEST_F(PedalIngest, NobodyElseAndNothingBrokenIsHeard) {
   d->rest(false, 5);
   EXPECT_EQ(d->mode(), Mode::kPedalUp);
   EXPECT_EQ(d->rig.ingest.pedalCounts().rejectedTotal(), 2U);
-  EXPECT_EQ(d->rig.shared->pedal_link.load().rejectedTotal(), 2U) << "for whoever wants to know";
-  EXPECT_EQ(d->rig.ingest.counts().rejectedTotal(), 0U) << "they are no ITP";
+  EXPECT_EQ(d->rig.shared->pedal_link.load().rejectedTotal(), 2U) << "the count is published";
+  EXPECT_EQ(d->rig.ingest.counts().rejectedTotal(), 0U) << "pedal packets are not ITP";
 }
 
 TEST(PedalIngestSigned, WhereItpHasToBeSignedTheyAreRefused) {
@@ -184,7 +184,7 @@ TEST(PedalIngestSigned, WhereItpHasToBeSignedTheyAreRefused) {
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 0U);
 }
 
-/** Holds its pedal and the camera's. */
+/** Holds the arms' pedal down, and later the camera's too. */
 class CameraHand : public console::MotionSource {
  public:
   console::Intent tick(const console::Senses&) override {
@@ -219,7 +219,7 @@ TEST(PedalLockstep, SilenceOfTheLinkReleasesTheCameraByTheSimulatedClock) {
   EXPECT_EQ(stack.view().model.mode, Mode::kPedalUp);
 }
 
-/** An ingest of its own, and a master of both kinds of ITP. */
+/** A separate ingest, and a master that sends both kinds of ITP. */
 class PedalIngestRules : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart = 1'000'000'000;  // [ns]
@@ -244,7 +244,7 @@ class PedalIngestRules : public ::testing::Test {
     return receive(bytes.data(), bytes.size(), source);
   }
 
-  /** With the pedal up. */
+  /** An ITP packet with the pedal up. */
   static wire::ItpBytes itp(std::uint32_t number) {
     wire::ItpPacket packet;
     packet.sequence = number;
@@ -284,7 +284,7 @@ TEST_F(PedalIngestRules, AFloodIsNotServed) {
   for (int i = 0; i < 1000; ++i, now_ns += kTickNanoseconds)
     heard += pedals(i % 2 == 0 ? bit(Pedal::kToolChange) : 0) == Reject::kNone ? 1 : 0;
   EXPECT_GE(heard, 200);
-  EXPECT_LE(heard, 250) << "50 at once, and 200 a second";
+  EXPECT_LE(heard, 250) << "the limit is 50 at once and 200 a second";
   const std::uint64_t refused = ingest->pedalCounts().rejected[static_cast<std::size_t>(Reject::kRateLimited)];
   EXPECT_EQ(refused, 1000U - static_cast<std::uint64_t>(heard));
 }

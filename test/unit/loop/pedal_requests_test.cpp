@@ -17,7 +17,7 @@ Request numbered(RequestKind kind, std::uint32_t id) {
   return request;
 }
 
-/** Every test with a Rig ends with counters that add up: what was taken was recorded. */
+/** Every test with a Rig ends with counters that add up: every request that was taken was recorded. */
 class PedalRequests : public ::testing::Test {
  protected:
   PedalRequests() : rig(packagedConfig()) {
@@ -41,10 +41,10 @@ TEST_F(PedalRequests, AreTakenAndRecordedAheadOfTheOperators) {
   rig.tick(false);
   ASSERT_EQ(records.size(), 3U);
   for (std::uint32_t i = 0; i < 3; ++i) {
-    EXPECT_EQ(records[i].request.id, i + 1) << "the pedals' first, each in the order they came";
+    EXPECT_EQ(records[i].request.id, i + 1) << "the pedals' requests come first, each kind in its order of arrival";
     EXPECT_EQ(records[i].tick, rig.model().tick);
   }
-  EXPECT_EQ(rig.model().engaged, 1) << "the operator's came last";
+  EXPECT_EQ(rig.model().engaged, 1) << "the operator's request came last";
   EXPECT_EQ(ring(rig.counts(), RingId::kPedalRequests).taken, 2U);
 }
 

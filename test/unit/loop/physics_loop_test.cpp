@@ -16,8 +16,8 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "support/rig.h"
 
-// The physics loop alone, against a robot that is wherever the test says: what holds of one arm, direction or attempt
-// holds of the other.
+// Tests the physics loop alone, with a robot that is wherever the test says. A rule for one arm, direction or attempt
+// also holds for the other.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -56,7 +56,7 @@ Fault byHand(FaultHost host, FaultVariable variable, FaultKind kind, double valu
   return fault;
 }
 
-/** With the pedal down. */
+/** A command with the pedal down. */
 MasterCommand pressed() {
   MasterCommand command;
   command.pedal = kSurgeonsPedal;
@@ -65,7 +65,7 @@ MasterCommand pressed() {
 
 class LoopBench : public ::testing::Test {
  protected:
-  /** The robot is homed, its pedal up. */
+  /** Starts with a homed robot and the pedal up. */
   void begin() {
     raven2_trainer::testing::useOde();
     shared = std::make_unique<SharedState>();
@@ -90,7 +90,7 @@ class LoopBench : public ::testing::Test {
     command.sequence = ++sequence;
     ASSERT_TRUE(shared->master_commands.tryPush(command));
   }
-  /** A millisecond of the loop. */
+  /** Runs one tick of the loop. */
   void step() {
     now_ns += kTickNanoseconds;
     if (has_robot) sayWhereTheRobotIs();
@@ -112,7 +112,7 @@ class LoopBench : public ::testing::Test {
     return mode() == wanted;
   }
 
-  /** Asks with the pedal up. */
+  /** Sends a request with the pedal up. */
   PlanningAnswer ask(RequestKind kind, const std::function<void(Request*)>& fill = {}) {
     return ask(kind, MasterCommand{}, fill);
   }
@@ -134,7 +134,7 @@ class LoopBench : public ::testing::Test {
     shared->faults.store(plan);
   }
 
-  /** A plan of the gold arm is there, and shown. */
+  /** Makes a plan for the gold arm, which the model then shows. */
   void plan() {
     ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
     PlanRequest asked;
@@ -153,7 +153,7 @@ class LoopBench : public ::testing::Test {
     ASSERT_EQ(mode(), Mode::kTracking);
   }
 
-  /** A trial of these commands is over. */
+  /** Runs a trial of `ticks` such commands to its end. */
   void trial(const MasterCommand& command, int ticks) {
     ASSERT_EQ(ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
     repeat(command, ticks);
@@ -162,7 +162,7 @@ class LoopBench : public ::testing::Test {
     ASSERT_EQ(mode(), Mode::kTrialReady);
   }
 
-  /** The trial is repeated on the robot; the pedal is down. */
+  /** Begins to repeat the trial on the robot, with the pedal down. */
   void beginRepeat() {
     ASSERT_EQ(ask(RequestKind::kRepeatTrial, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
     ASSERT_TRUE(waitFor(Mode::kArmed));
@@ -180,9 +180,9 @@ class LoopBench : public ::testing::Test {
   std::unique_ptr<PhysicsLoop> loop;
   RobotState robot;
   RelayPacket last_relay;
-  PerArm<bool> follows{true, true};  ///< while it is told pedal-down, an arm of the robot is where the model's is
+  PerArm<bool> follows{true, true};  ///< while it receives pedal-down, the robot's arm is where the model's is
   bool has_robot{true};
-  bool obeys{true};  ///< its run level is that of the pedal it is told
+  bool obeys{true};  ///< its run level follows the pedal that it receives
   std::uint32_t sequence{0}, last_id{40};
   std::uint64_t generation{100};
   std::int64_t now_ns{0};
@@ -245,12 +245,12 @@ TEST_P(EitherArm, OfARobotThatMovedOnTheWayBackIsGoneToAsSlowly) {
       before = armState(arm()).p_BT;
     }
     EXPECT_NEAR(armState(arm()).q[kInsertion], at(robot.arms, arm()).q[kInsertion], 1e-4) << shift;
-    EXPECT_LT(fastest, 0.2e-3) << "it jumps " << shift;
+    EXPECT_LT(fastest, 0.2e-3) << "the arm jumps at a shift of " << shift;
   }
 }
 
-/** Reach of the pedal-up's following: 0.15 rad of shoulder and elbow, 50 mm, 0.8 rad of roll and wrist; its speeds are
- * those of hands. */
+/** With the pedal up the model follows a robot within 0.15 rad of shoulder and elbow, 50 mm of insertion and 0.8 rad of
+ *  roll and wrist. It does so at the speeds of hands. */
 TEST_P(EitherArm, GoesToARobotThatIsNearAndIsPutToOneThatIsFarOnEitherSide) {
   constexpr std::array<double, kGrasp1> kReach{0.15, 0.15, 0.05, 0.8, 0.8}, kSpeed{0.5, 0.5, 0.1, 3.0, 3.0};
   for (std::size_t j = 0; j < kGrasp1; ++j) {
@@ -260,7 +260,7 @@ TEST_P(EitherArm, GoesToARobotThatIsNearAndIsPutToOneThatIsFarOnEitherSide) {
       at(robot.arms, arm()).q[j] += aside;
       rest(1);
       const double missing = std::abs(at(robot.arms, arm()).q[j] - armState(arm()).q[j]);
-      const double way = std::min(0.1 * std::abs(aside), kSpeed[j] * kTickSeconds);  // a millisecond of ten
+      const double way = std::min(0.1 * std::abs(aside), kSpeed[j] * kTickSeconds);  // one of ten milliseconds
       const double expected = std::abs(share) > 1.0 ? 0.0 : std::abs(aside) - way;
       EXPECT_NEAR(missing, expected, 0.05 * way) << kJointNames[j] << " " << share;
     }
@@ -300,11 +300,11 @@ TEST_P(EitherArm, ThatMovedSinceATrialRefusesItsRepetition) {
   }
   robot.arms = stood;
   at(robot.arms, arm()).q[kElbow] = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(ask(RequestKind::kRepeatTrial), PlanningAnswer::kMoved) << "not a number";
+  EXPECT_EQ(ask(RequestKind::kRepeatTrial), PlanningAnswer::kMoved) << "the elbow's angle is NaN";
   robot.arms = stood;
   ASSERT_EQ(ask(RequestKind::kRepeatTrial), PlanningAnswer::kAccepted);
   at(robot.arms, arm()).q[kElbow] -= 1.5 * config.execution.start_tolerance[kElbow];
-  ASSERT_TRUE(waitFor(Mode::kPedalUp)) << "nor is it armed if the robot moves while the model goes back";
+  ASSERT_TRUE(waitFor(Mode::kPedalUp)) << "a robot that moves while the model goes back prevents arming";
   EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kMoved);
 }
 
@@ -355,7 +355,7 @@ TEST_P(EitherArm, ComesBackWithTheJawsWithWhichItLeft) {
   repeat(close, 50);
   rest(3);
   const double before = opening(arm());
-  ASSERT_GT(std::abs(opening(Arm::kGold) - opening(Arm::kGreen)), 0.1) << "or they cannot be told apart";
+  ASSERT_GT(std::abs(opening(Arm::kGold) - opening(Arm::kGreen)), 0.1) << "the arms' jaws must differ clearly";
   ASSERT_EQ(ask(RequestKind::kBeginSimulation), PlanningAnswer::kAccepted);
   close.dgrasp = {0.004, 0.004};
   repeat(close, 30);
@@ -372,7 +372,7 @@ TEST_P(EitherArm, KeepsItsJawsAsTheyAreWhenItJoinsTheRobot) {
   repeat(close, 50);
   rest(100);
   const double held = kinematics::jawOpening(armState(arm()).q);
-  kinematics::setJaws(0.0, held + 0.5, &at(robot.arms, arm()).q);  // the robot's have let go
+  kinematics::setJaws(0.0, held + 0.5, &at(robot.arms, arm()).q);  // the robot's jaws have opened
   rest(1);
   press(1);
   EXPECT_EQ(model().linked, 1);
@@ -382,7 +382,7 @@ TEST_P(EitherArm, KeepsItsJawsAsTheyAreWhenItJoinsTheRobot) {
 TEST_P(EitherArm, OfTheRobotIsToldWhatItsOwnJawsDidInATrial) {
   MasterCommand close = pressed();
   close.dgrasp = {0.01, 0.01};
-  repeat(close, 30);  // from their stop
+  repeat(close, 30);  // away from their stop
   rest(3);
   MasterCommand work = pressed();
   work.dgrasp = {0.004, -0.002};
@@ -409,8 +409,9 @@ TEST_P(EitherArm, IsTheOneForWhichAGoalIsChosen) {
   rest(2);
   const JointArray chosen = armState(arm()).q;
   EXPECT_GT(apart(armState(arm()).p_BT, at(stood, arm()).p_BT), 5e-3);
-  EXPECT_LT(apart(armState(other()).p_BT, at(stood, other()).p_BT), 1e-6) << "the other one stands";
-  EXPECT_NEAR(kinematics::jawOpening(chosen), kinematics::jawOpening(at(stood, arm()).q), 2e-3) << "jaws stay";
+  EXPECT_LT(apart(armState(other()).p_BT, at(stood, other()).p_BT), 1e-6) << "the other arm does not move";
+  EXPECT_NEAR(kinematics::jawOpening(chosen), kinematics::jawOpening(at(stood, arm()).q), 2e-3)
+      << "the jaws keep their opening";
   ASSERT_EQ(ask(RequestKind::kRecordGoal), PlanningAnswer::kAccepted);
   PlanRequest asked;
   ASSERT_TRUE(shared->plan_requests.tryPop(&asked));
@@ -420,10 +421,10 @@ TEST_P(EitherArm, IsTheOneForWhichAGoalIsChosen) {
     EXPECT_NEAR(asked.start[j], at(stood, arm()).q[j], 1e-4) << kJointNames[j];
     EXPECT_NEAR(asked.other[j], at(stood, other()).q[j], 1e-4) << kJointNames[j];
   }
-  EXPECT_LT(apart(armState(arm()).p_BT, at(stood, arm()).p_BT), 0.1e-3) << "and is back";
+  EXPECT_LT(apart(armState(arm()).p_BT, at(stood, arm()).p_BT), 0.1e-3) << "the arm is back at its start";
 }
 
-// ---- what is told of it ------------------------------------------------------------------------------------------
+// ---- published state --------------------------------------------------------------------------------------------
 
 TEST_P(EitherArm, MovesWithTheRatesThatItTells) {
   MasterCommand move = pressed();
@@ -434,7 +435,7 @@ TEST_P(EitherArm, MovesWithTheRatesThatItTells) {
   repeat(move, 1);
   const ArmState now = armState(arm());
   const Vector3 by_difference = (toEigen(now.p_BT) - toEigen(before.p_BT)) / kTickSeconds;
-  ASSERT_GT(by_difference.norm(), 0.01) << "[m/s] it stands: nothing to compare";
+  ASSERT_GT(by_difference.norm(), 0.01) << "[m/s] the arm must move";
   EXPECT_LT((toEigen(now.v_BT) - by_difference).norm(), 0.05 * by_difference.norm());
   EXPECT_LT(toEigen(armState(other()).v_BT).norm(), 0.1 * by_difference.norm());
   const Matrix3 R = kinematics::forward(config.arms.geometry, arm(), now.q).R;
@@ -478,7 +479,7 @@ TEST_P(EitherArm, MeetsTheSceneUnlessItsOwnCollisionsAreOff) {
       own += armState(arm()).contacts;
       others += armState(other()).contacts;
     }
-    EXPECT_EQ(own > 0, passes != arm()) << "off for " << name(passes);
+    EXPECT_EQ(own > 0, passes != arm()) << "collisions are off for " << name(passes);
     EXPECT_EQ(others, 0U);
   }
 }
@@ -498,12 +499,12 @@ TEST_P(EitherArm, OfTheHandIsCountedWhereverThePedalIsButForClients) {
   const PerArm<Vec3> hands = model().master_I;
   move.pedal = kClientsPedal;
   repeat(move, 4);
-  EXPECT_EQ(model().master_I, hands) << "a client moves the tips, and no hand";
+  EXPECT_EQ(model().master_I, hands) << "a client moves the tips, but no hand";
 }
 
 // ---- more than one command in a tick -----------------------------------------------------------------------------
 
-/** Commands that waited, and how many of them each of the next ticks took. */
+/** Queues commands and records how many of them each of the next ticks consumes. */
 class Backlog : public EitherArm {
  protected:
   std::vector<std::uint32_t> taken(const MasterCommand& command, int count) {
@@ -518,7 +519,7 @@ class Backlog : public EitherArm {
     return all;
   }
 
-  /** What the robot is sent in one packet is no more than it takes in one. */
+  /** Checks that one packet to the robot holds no more motion than the robot accepts in one. */
   void checkSize() const {
     const MasterCommand& sent = last_relay.command;
     for (const Arm each : kArms) {
@@ -582,7 +583,7 @@ TEST_P(Backlog, OfRotationsIsTheirProductInTheirOrder) {
   step();
   ASSERT_EQ(model().commands_used, 2U);
   const Quaternion told = toEigen(at(last_relay.command.dq_I, arm()));
-  EXPECT_LT(told.angularDistance(second * first), 1e-9) << "both about the axes of the console";
+  EXPECT_LT(told.angularDistance(second * first), 1e-9) << "both rotations are about the console's axes";
   EXPECT_EQ(at(last_relay.command.dq_I, other()), kIdentityQuat);
 }
 
@@ -598,7 +599,7 @@ TEST_P(EitherArm, IsNotTurnedByAQuaternionThatAFaultLeftWithoutADirection) {
     scaled.arm = static_cast<std::int8_t>(index(arm()));
     fault(scaled);
     repeat(turning, 3);
-    EXPECT_EQ(model().faults.active, scaled.id) << "of the masters' stream";
+    EXPECT_EQ(model().faults.active, scaled.id) << "the fault of the master's stream is active";
     EXPECT_EQ(at(last_relay.command.dq_I, arm()), kIdentityQuat) << factor;
     EXPECT_LT(toEigen(at(last_relay.command.dq_I, other())).angularDistance(toEigen(turning.dq_I[0])), 1e-9);
     for (const double q : armState(arm()).q)
@@ -613,7 +614,7 @@ TEST_P(EitherArm, HasItsOwnFaultsOfTheForce) {
   rest(2);
   EXPECT_EQ(at(model().faults.force_gain, arm()), -2.0);
   EXPECT_EQ(at(model().faults.force_gain, other()), 1.0);
-  EXPECT_EQ(model().faults.active, gain.id) << "of the console";
+  EXPECT_EQ(model().faults.active, gain.id) << "the fault of the console is active";
   Fault offset = byHand(FaultHost::kConsole, FaultVariable::kForceOffset, FaultKind::kAdd, 1.5);
   offset.arm = gain.arm;
   offset.channel = 2;
@@ -621,7 +622,7 @@ TEST_P(EitherArm, HasItsOwnFaultsOfTheForce) {
   rest(2);
   EXPECT_EQ(at(model().faults.force_offset_B, arm()), (Vec3{0.0, 0.0, 1.5}));
   EXPECT_EQ(at(model().faults.force_offset_B, other()), Vec3{});
-  EXPECT_EQ(at(model().faults.force_gain, arm()), 1.0) << "the one before is over";
+  EXPECT_EQ(at(model().faults.force_gain, arm()), 1.0) << "the fault before has ended";
 }
 
 TEST_F(LoopBench, APictureFaultIsOneThatThereIs) {
@@ -672,7 +673,7 @@ TEST_F(LoopBench, TheRelaysNumbersGoOnFromThoseThatTheRobotKnows) {
     robot.connected = 0;
     rest(5);
     robot.connected = 1;
-    robot.cycle = 0;  // another one
+    robot.cycle = 0;  // another robot
     robot.last_sequence = known;
     rest(1);
     EXPECT_EQ(last_relay.command.sequence, known + 1);
@@ -684,12 +685,12 @@ TEST_F(LoopBench, TheRelaysNumbersGoOnFromThoseThatTheRobotKnows) {
 TEST_F(LoopBench, ARobotThatRestartedBetweenTwoTicksIsLetGoUntilTheNextPress) {
   press(20);
   ASSERT_EQ(model().linked, 1);
-  robot.cycle = 0;  // homed, its pedal down as the one before it
+  robot.cycle = 0;  // homed, its pedal down like the robot's before
   press(1);
   EXPECT_EQ(model().linked, 0);
   press(5);
   EXPECT_EQ(model().linked, 0);
-  EXPECT_EQ(last_relay.command.pedal, 0) << "it takes a new pedal-down";
+  EXPECT_EQ(last_relay.command.pedal, 0) << "it needs a new pedal-down";
 }
 
 TEST_F(LoopBench, APlanArmedAgainWaitsForThePedalAsLongAsTheFirst) {
@@ -823,7 +824,7 @@ TEST_F(LoopBench, TwoStopsAreClearedOneByOneInEitherOrder) {
       rest(2);
     };
     operator_first ? operatorClears() : robotClears();
-    EXPECT_EQ(mode(), Mode::kStopped) << "the other stop is still there";
+    EXPECT_EQ(mode(), Mode::kStopped) << "the other stop remains";
     operator_first ? robotClears() : operatorClears();
     EXPECT_EQ(mode(), Mode::kPedalUp);
     obeys = true;
@@ -859,7 +860,7 @@ TEST_F(LoopBench, ARobotThatIsNoLongerHomedIsNotMovedBeforeItIsAgain) {
   robot.runlevel = RunLevel::kInit;
   rest(3);
   press(3);
-  EXPECT_EQ(model().pedal, 0) << "the pedal waits";
+  EXPECT_EQ(model().pedal, 0) << "the pedal-down waits for the homing";
   EXPECT_EQ(last_relay.command.pedal, 0);
   robot.homed = 1;
   robot.runlevel = RunLevel::kPedalUp;
@@ -878,7 +879,7 @@ TEST_F(LoopBench, ARobotThatFallsBelowPedalUpIsLetGoUntilTheNextPress) {
   EXPECT_EQ(last_relay.command.pedal, 0);
   robot.runlevel = RunLevel::kPedalDown;
   press(5);
-  EXPECT_EQ(last_relay.command.pedal, 0) << "it takes a new pedal-down";
+  EXPECT_EQ(last_relay.command.pedal, 0) << "it needs a new pedal-down";
 }
 
 TEST_F(LoopBench, AnInstrumentIsChangedWithThePedalUpAlone) {
@@ -908,7 +909,7 @@ TEST_F(LoopBench, EachHandMovesTheCameraHalfAsFarAsBoth) {
   ASSERT_GT(both, 1e-3);
   EXPECT_NEAR(eyeMovedBy(20e-6, 0.0), both / 2.0, 0.01 * both);
   EXPECT_NEAR(eyeMovedBy(0.0, 20e-6), both / 2.0, 0.01 * both);
-  EXPECT_NEAR(eyeMovedBy(20e-6, -20e-6), 0.0, 1e-9) << "against each other they hold it";
+  EXPECT_NEAR(eyeMovedBy(20e-6, -20e-6), 0.0, 1e-9) << "hands in opposite directions hold the camera";
 }
 
 TEST_F(LoopBench, TheCamerasPedalGoesBackToWhatItCameFrom) {

@@ -25,7 +25,7 @@ TEST(PlannerWorkers, CountWhatThePlanTook) {
   const PlanCounts counts = worker.counts();
   EXPECT_GE(counts.samples, 100U);
   EXPECT_GT(counts.edges, 0U);
-  EXPECT_GT(counts.rollouts, 0U) << "no plan is returned that was not followed by the dynamics";
+  EXPECT_GT(counts.rollouts, 0U) << "the dynamics follow every plan before it is returned";
   EXPECT_EQ(counts.best_cost, result.cost);
 }
 

@@ -13,8 +13,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;
 
 class RelayChannelTest : public ::testing::Test {
  protected:
-  /** One packet a millisecond, each moving by its number in micrometres. @param[in] impairment 0 none, else preset + 1.
-   */
+  /** Passes one packet a millisecond; packet n moves n micrometres. @param[in] impairment 0: none, else preset + 1. */
   void pass(int count, std::uint32_t impairment) {
     for (int i = 0; i < count; ++i) {
       RelayPacket packet;
@@ -26,7 +25,7 @@ class RelayChannelTest : public ::testing::Test {
     }
   }
 
-  /** passed + added = came + lost + held. */
+  /** Whether passed + added = came + lost + held. */
   bool addsUp() const {
     const FaultedPackets c = channel.counts();
     return passed + c.added == came.size() + c.lost + c.held;
@@ -64,10 +63,11 @@ TEST_F(RelayChannelTest, AccountsForEveryPacketWhateverHappensOnTheWay) {
   EXPECT_TRUE(addsUp());
   const FaultedPackets during = channel.counts();
   EXPECT_NEAR(static_cast<double>(during.added), 200.0, 60.0);
-  EXPECT_NEAR(static_cast<double>(during.lost), 120.0, 40.0) << "cut ones, a tenth of all, copies too";
+  EXPECT_NEAR(static_cast<double>(during.lost), 120.0, 40.0)
+      << "a tenth of all packets is truncated, also of the copies";
   EXPECT_GE(during.held, 29U);
   pass(1, second);
-  EXPECT_TRUE(addsUp()) << "what the first still held is lost";
+  EXPECT_TRUE(addsUp()) << "the packets that the first impairment still held are lost";
   EXPECT_GE(channel.counts().lost, during.lost + 28);
   pass(100, 0);
   EXPECT_EQ(channel.counts().held, 0U);

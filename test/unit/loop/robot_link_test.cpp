@@ -34,7 +34,7 @@ class RobotLinkTest : public ::testing::Test {
     return state(robot, 1);
   }
   std::uint64_t rejected(Reject reason) const { return link.counts().rejected[static_cast<std::size_t>(reason)]; }
-  /** Any word in a hello. */
+  /** Sends a hello with `word`. */
   void say(const std::string& word) {
     const std::size_t size = wire::encodeHello(1, true, buffer.data());
     ASSERT_EQ(size, wire::kFrameHeaderSize + 8);
@@ -106,7 +106,7 @@ TEST_F(RobotLinkTest, TheFaultPlanIsOfTheLinksSession) {
     ASSERT_EQ(parser.next(&frame), wire::FrameParser::Result::kFrame);
     wire::decodeFaultPlan(frame, &plan);
   }
-  EXPECT_EQ(plan.generation, shared->faults.load().generation) << "or no plan came";
+  EXPECT_EQ(plan.generation, shared->faults.load().generation) << "the robot must receive the plan";
   EXPECT_EQ(plan.session, kSession);
 }
 
@@ -117,7 +117,7 @@ TEST_F(RobotLinkTest, WhateverDoesNotSayVirtualIsReal) {
   EXPECT_EQ(shared->robot.load().is_virtual, 0);
   FaultDirector director(config, shared.get());
   EXPECT_GT(shared->faults.load().count, 0U);
-  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "no fault ever goes to a real robot";
+  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "a real robot never receives a fault";
 }
 
 TEST_F(RobotLinkTest, AnotherWordAnEmptyOneAndNoneAreARealRobotsAndNeverGetAFault) {
@@ -128,17 +128,17 @@ TEST_F(RobotLinkTest, AnotherWordAnEmptyOneAndNoneAreARealRobotsAndNeverGetAFaul
     link.connected();
     say(word);
     state(RobotState{}, 1);
-    EXPECT_EQ(shared->robot.load().connected, 1) << "it is a robot all the same";
+    EXPECT_EQ(shared->robot.load().connected, 1) << "it still counts as a robot";
     EXPECT_EQ(shared->robot.load().is_virtual, 0) << word;
     EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << word;
     link.disconnected();
   }
   link.connected();
-  state(RobotState{}, 1);  // no hello at all
+  state(RobotState{}, 1);  // without a hello
   EXPECT_EQ(shared->robot.load().connected, 1);
   EXPECT_EQ(shared->robot.load().is_virtual, 0);
   EXPECT_EQ(link.counts().rejectedTotal(), 0U);
-  hello(true);  // and it does not turn virtual under way
+  hello(true);  // a later hello does not make it virtual
   cycle(1, 0);
   EXPECT_EQ(shared->robot.load().is_virtual, 0);
   EXPECT_EQ(rejected(Reject::kOutOfOrder), 1U);
@@ -171,7 +171,7 @@ TEST_F(RobotLinkTest, CyclesRiseAndTheTimeStampNeverGoesBack) {
 
 TEST_F(RobotLinkTest, AStateThatWaitedOnItsWayIsAsOldAsItIs) {
   constexpr std::int64_t kMs = 1'000'000;
-  constexpr std::int64_t kRobotClock = 500'000 * kMs;  // nothing in common with ours
+  constexpr std::int64_t kRobotClock = 500'000 * kMs;  // independent of our clock
   link.connected();
   hello(true);
   RobotState robot;
@@ -187,16 +187,16 @@ TEST_F(RobotLinkTest, AStateThatWaitedOnItsWayIsAsOldAsItIs) {
   EXPECT_EQ(shared->robot.load().received_ns, now);
   send(30 * kMs);
   EXPECT_NEAR(static_cast<double>(shared->robot.load().received_ns), static_cast<double>(now), 1e3)
-      << "not 30 ms later";
+      << "the time of receipt does not count the 30 ms of waiting";
   const std::uint64_t cycle = robot.cycle;
   send(51 * kMs);
   send(4000 * kMs);
   EXPECT_EQ(rejected(Reject::kStale), 2U);
   EXPECT_EQ(shared->robot.load().cycle, cycle);
-  EXPECT_TRUE(send(0)) << "the stream is whole all the same";
+  EXPECT_TRUE(send(0)) << "the stream is still intact";
   EXPECT_EQ(shared->robot.load().cycle, cycle + 3);
   EXPECT_TRUE(link.counts().addsUp());
-  EXPECT_EQ(link.counts().applied, 103U);  // hello, 100, the one of 30 ms, the last one
+  EXPECT_EQ(link.counts().applied, 103U);  // the hello, 100 states, the one of 30 ms, the last one
 }
 
 TEST_F(RobotLinkTest, WhatWaitedIsKnownOnTheNextConnectionTooUnlessTheRobotStartedAnew) {
@@ -211,7 +211,7 @@ TEST_F(RobotLinkTest, WhatWaitedIsKnownOnTheNextConnectionTooUnlessTheRobotStart
   robot.time_ns += 1'000'000;
   state(robot, 5'061'000'000);
   EXPECT_EQ(rejected(Reject::kStale), 1U);
-  robot.cycle = 1;  // started anew: nothing is known of its clock
+  robot.cycle = 1;  // started again: its clock is unknown
   state(robot, 5'062'000'000);
   EXPECT_EQ(rejected(Reject::kStale), 1U);
   EXPECT_EQ(shared->robot.load().received_ns, 5'062'000'000);
@@ -220,7 +220,7 @@ TEST_F(RobotLinkTest, WhatWaitedIsKnownOnTheNextConnectionTooUnlessTheRobotStart
 TEST_F(RobotLinkTest, ARobotWithoutAnAppliedStateForASecondIsSilent) {
   link.connected();
   constexpr std::int64_t kBegin = 7'000'000'000;
-  EXPECT_FALSE(link.isSilent(kBegin)) << "the second begins when the connection came up";
+  EXPECT_FALSE(link.isSilent(kBegin)) << "the second begins with the connection";
   EXPECT_FALSE(link.isSilent(kBegin + RobotLink::kSilenceNs - 1));
   EXPECT_TRUE(link.isSilent(kBegin + RobotLink::kSilenceNs));
   RobotState robot;
@@ -234,7 +234,7 @@ TEST_F(RobotLinkTest, ARobotWithoutAnAppliedStateForASecondIsSilent) {
   EXPECT_TRUE(link.isSilent(kBegin + 1'900'000'000));
   link.disconnected();
   link.connected();
-  EXPECT_FALSE(link.isSilent(kBegin + 9'000'000'000)) << "a new connection has its own second";
+  EXPECT_FALSE(link.isSilent(kBegin + 9'000'000'000)) << "a new connection begins a new second";
 }
 
 TEST_F(RobotLinkTest, SendsTheFaultPlanAgainWhenAskedTo) {
@@ -275,7 +275,7 @@ TEST_F(RobotLinkTest, AnotherMajorVersionIsRefusedAndTold) {
   link.disconnected();
   link.connected();
   hello(true);
-  EXPECT_EQ(shared->robot_version_refused.load(), 0U) << "a robot of our version came";
+  EXPECT_EQ(shared->robot_version_refused.load(), 0U) << "a robot of our version connected";
 }
 
 TEST_F(RobotLinkTest, ABrokenStreamIsGivenUp) {
@@ -289,7 +289,7 @@ TEST_F(RobotLinkTest, ABrokenStreamIsGivenUp) {
 TEST_F(RobotLinkTest, SendsTheFaultPlanOnceAndAgainToANewRobot) {
   FaultDirector director(config, shared.get());
   link.connected();
-  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "nothing before the hello";
+  EXPECT_EQ(link.pendingFrame(buffer.data()), 0U) << "nothing is sent before the hello";
   hello(true);
   EXPECT_GT(link.pendingFrame(buffer.data()), 0U);
   EXPECT_EQ(link.pendingFrame(buffer.data()), 0U);
@@ -318,7 +318,7 @@ TEST_F(RobotLinkTest, HandsOnWhatTheRobotSaysOfItsFaultsAndCountsWhatIsMissing) 
   EXPECT_EQ(cycles, (std::vector<std::uint64_t>{700, 800, 1200}));
   EXPECT_EQ(shared->fault_changes_lost.value(), 3U);
   EXPECT_EQ(rejected(Reject::kOutOfOrder), 1U);
-  link.connected();  // another connection, perhaps another robot: nothing is known to be missing
+  link.connected();  // a new connection, perhaps a new robot: no change counts as lost
   tell(30);
   EXPECT_EQ(shared->fault_changes_lost.value(), 3U);
   EXPECT_TRUE(link.counts().addsUp());
@@ -330,7 +330,7 @@ TEST_F(RobotLinkTest, PassesOverWhatTheRobotSaysOfAnothersFaults) {
   for (std::uint64_t number = 1; number <= 2; ++number) {
     FaultChange change;
     change.number = number;
-    change.session = number == 1 ? 55 : 0;  // this link's is 0
+    change.session = number == 1 ? 55 : 0;  // this link's session is 0
     link.receive(buffer.data(), wire::encodeFaultChange(3, change, buffer.data()), 5);
   }
   FaultChange change;
@@ -362,7 +362,7 @@ TEST_F(RobotLinkTest, ASignalThatIsNoNumberIsSentOnce) {
   int frames = 0;
   while (frames < 10 && link.pendingFrame(buffer.data()) > 0)
     ++frames;
-  EXPECT_EQ(frames, 2) << "signals and plan";
+  EXPECT_EQ(frames, 2) << "one frame of signals and one of the plan";
 }
 
 TEST_F(RobotLinkTest, KnowsWhetherItsPlanIsRefused) {
@@ -373,7 +373,7 @@ TEST_F(RobotLinkTest, KnowsWhetherItsPlanIsRefused) {
     EXPECT_EQ(shared->plan_refused.load(), is_armed ? 0 : 1);
   }
   link.disconnected();
-  EXPECT_EQ(shared->plan_refused.load(), 0) << "there is nobody to refuse it";
+  EXPECT_EQ(shared->plan_refused.load(), 0) << "no robot is left to refuse the plan";
 }
 
 TEST_F(RobotLinkTest, SignalsGoAheadOfThePlanAndAgainOnANewConnection) {

@@ -4,7 +4,7 @@
 
 #include <memory>
 
-// What the loop knows of the robot, from its states alone: no world, no other part of the loop.
+// Tests what the loop derives from the robot's states alone, without a world or another part of the loop.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -40,7 +40,7 @@ class RobotTieTest : public ::testing::Test {
     sent.received_ns = now * kMs;
   }
 
-  /** Engaged from a common pose, and heard: each packet of ours is in the robot's next state. */
+  /** Engages from a common pose. The robot hears us: its next state has the number of each packet. */
   void engage() {
     tick(0);
     for (int i = 1; i <= 3; ++i) {
@@ -92,7 +92,7 @@ TEST_F(RobotTieTest, BecomesReadyOnceItIsHomedAndDisengaged) {
   sent.runlevel = RunLevel::kPedalUp;
   EXPECT_TRUE(tick(0));
   EXPECT_TRUE(tie.isThere());
-  EXPECT_FALSE(tick(0)) << "a second time";
+  EXPECT_FALSE(tick(0)) << "it becomes ready only once";
 }
 
 TEST_F(RobotTieTest, ARobotThatStartsAgainIsAnotherRobot) {
@@ -134,7 +134,7 @@ TEST_F(RobotTieTest, IncrementsCountFromTheCycleThatReportsPedalDown) {
   EXPECT_TRUE(tie.applies());
   EXPECT_TRUE(tie.mayMoveOn());
   tick(22);
-  EXPECT_FALSE(tie.mayMoveOn()) << "while its state is stale";
+  EXPECT_FALSE(tie.mayMoveOn()) << "the robot's state is stale";
 }
 
 TEST_F(RobotTieTest, AModelAloneAppliesEverything) {
@@ -150,7 +150,7 @@ TEST_F(RobotTieTest, ARobotThatHearsNoPacketForASecondIsNotEngagedByALaterPacket
   sent.runlevel = RunLevel::kPedalUp;
   send(5, 999);
   tick(5);
-  EXPECT_FALSE(tie.isUnheard()) << "its last sequence has been the same for 1000 cycles, not longer";
+  EXPECT_FALSE(tie.isUnheard()) << "its last sequence has been the same for 1000 cycles, not for more";
   send(6);
   tick(6);
   EXPECT_TRUE(tie.isUnheard());
@@ -160,7 +160,7 @@ TEST_F(RobotTieTest, ARobotThatHearsNoPacketForASecondIsNotEngagedByALaterPacket
   sent.runlevel = RunLevel::kPedalDown;
   send(7);
   tick(7);
-  EXPECT_FALSE(tie.applies()) << "until the next pedal-down";
+  EXPECT_FALSE(tie.applies()) << "not before the next pedal-down";
   tie.link(true);
   EXPECT_TRUE(tie.applies());
 }

@@ -9,7 +9,7 @@
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/mode_table.h"
 
-// What the manager of CRTK clients gives to a loop that has nothing but the arms' mapping and the mode table.
+// Tests the commands that the manager of CRTK clients gives to a loop of the arms' mapping and the mode table alone.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -51,7 +51,7 @@ class ServoCommands : public ::testing::Test {
     tick();
   }
 
-  /** One millisecond; the console's pedal is up, down, or nothing is heard of it. */
+  /** The console's pedal in one tick: up, down, or the console is silent. */
   enum class Heard { kUp, kDown, kNothing };
   void tick(Heard console = Heard::kUp) {
     stand.mode = mode;
@@ -71,7 +71,7 @@ class ServoCommands : public ::testing::Test {
     increments = MasterCommand{};
     made = manager.next(stand, mappers, &command);
     if (made) {
-      EXPECT_FALSE(stand.is_taken && command.pedal != 0) << "a press behind a release of the same tick is lost";
+      EXPECT_FALSE(stand.is_taken && command.pedal != 0) << "a press after a release in the same tick is lost";
       under_way.push_back(command);
       if (command.pedal == 0 && lost_releases > 0) {
         --lost_releases;
@@ -101,7 +101,7 @@ class ServoCommands : public ::testing::Test {
       tick(console);
   }
 
-  /** Where the arm is: where it is asked to be, or so far away that its mapping takes nothing. */
+  /** The arm's joints: the desired ones, or joints so far from them that the mapping accepts no motion. */
   JointArray joints(Arm arm) const {
     JointArray q = at(mappers, arm).desired();
     if (is_far) q[kInsertion] += 0.03;
@@ -115,7 +115,7 @@ class ServoCommands : public ::testing::Test {
     }
     for (const Arm arm : kArms) {
       for (const double d : at(command.dp_I, arm))
-        EXPECT_NEAR(d * 1e6, std::round(d * 1e6), 1e-6) << "whole micrometres";
+        EXPECT_NEAR(d * 1e6, std::round(d * 1e6), 1e-6) << "the increments are whole micrometres";
       EXPECT_NEAR(at(command.dgrasp, arm) * 1e3, std::round(at(command.dgrasp, arm) * 1e3), 1e-9);
     }
   }
@@ -169,7 +169,7 @@ class ServoCommands : public ::testing::Test {
   std::deque<MasterCommand> under_way;
   bool is_far{false};
   int lost_releases{0};
-  std::size_t delay{0};  ///< [ticks] that commands take to the mapping
+  std::size_t delay{0};  ///< [ticks] from a command to the mapping
   std::function<void()> in_tick;
   RigidPose goal;
   ServoRefused refused;
@@ -252,7 +252,7 @@ TEST_F(ServoCommands, OfTheJawsAreWholeMilliradians) {
   EXPECT_EQ(state().arms[0].is_busy, 0);
   const double there = state().arms[0].setpoint_jaw;
   tick(100);
-  EXPECT_EQ(state().arms[0].setpoint_jaw, there) << "and it rests";
+  EXPECT_EQ(state().arms[0].setpoint_jaw, there) << "the jaws are at rest";
 }
 
 TEST_F(ServoCommands, GiveWayToTheConsole) {
@@ -263,7 +263,7 @@ TEST_F(ServoCommands, GiveWayToTheConsole) {
   const int before = overruled;
   tick(Heard::kDown);
   EXPECT_FALSE(made);
-  EXPECT_EQ(mode, Mode::kTeleoperating) << "without a break";
+  EXPECT_EQ(mode, Mode::kTeleoperating) << "teleoperation goes on without a break";
   const Vec3 taken = tip();
   tick(50, Heard::kDown);
   EXPECT_LT(tipsApart(tip(), taken), 1e-9);
@@ -285,7 +285,7 @@ TEST_F(ServoCommands, GiveWayToTheConsole) {
   tick(198, Heard::kNothing);
   EXPECT_EQ(state().state, OperatingState::kEnabled);
   tick(2, Heard::kNothing);
-  EXPECT_EQ(state().state, OperatingState::kPaused) << "0.2 s of silence";
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "the console was silent for 0.2 s";
 }
 
 TEST_F(ServoCommands, OfBeforeTheConsoleTookThePedalAreOverForGood) {
@@ -318,10 +318,10 @@ TEST_F(ServoCommands, EndWhenTheRobotNoLongerFollows) {
   tick(2);
   const Vec3 here = tip();
   tick(100);
-  EXPECT_LT(tipsApart(tip(), here), 1e-9) << "what was asked for is forgotten";
+  EXPECT_LT(tipsApart(tip(), here), 1e-9) << "the old command is forgotten";
   stand.linked = false;
   tick();
-  EXPECT_EQ(state().state, OperatingState::kPaused) << "it is gone, or disengaged";
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "the robot has left or is disengaged";
 }
 
 TEST_F(ServoCommands, WaitForARobotThatDoesNotTakeThemYet) {
@@ -345,12 +345,12 @@ TEST_F(ServoCommands, AreRefusedWithTheReasonThatHolds) {
   EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kRobotStop);
   EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kInvalid);
   EXPECT_EQ(refused.in, OperatingState::kFault);
-  stand.robot_stopped = false;  // it homes
+  stand.robot_stopped = false;  // the robot homes
   EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kNone);
   EXPECT_EQ(state().state, OperatingState::kDisabled);
   EXPECT_EQ(state().is_homed, 0);
   EXPECT_EQ(state().arms[1].is_busy, 1);
-  stand.robot_homed = true;  // and still in INIT: a client that is told that it is homed moves it
+  stand.robot_homed = true;  // still in INIT: a client that reads is_homed would move the robot
   tick();
   EXPECT_EQ(state().is_homed, 0);
   EXPECT_EQ(state().arms[0].is_busy, 1);
@@ -388,10 +388,10 @@ TEST_F(ServoCommands, DoNotEndAStopThatAnOperatorAskedFor) {
     EXPECT_FALSE(pedal);
   }
   EXPECT_EQ(ask(StateCommand::kDisable), ServoRefusal::kNone);
-  stand.stop_asked = false;  // whoever stopped the arms cleared that
+  stand.stop_asked = false;  // the operator cleared the stop
   mode = Mode::kPedalUp;
   enable();
-  mode = Mode::kStopped;  // by the robot, which starts again
+  mode = Mode::kStopped;  // the robot stopped the arms, and starts again
   tick();
   EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
 }
@@ -409,11 +409,11 @@ TEST_F(ServoCommands, DoNotPressWhereAnotherModeBeganInTheSameTick) {
 TEST_F(ServoCommands, LetGoOfThePedalAfterTheirSilence) {
   enable();
   tick(900);
-  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone) << "1.41 s";
+  EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone) << "the move takes 1.41 s";
   tick(1300);
   EXPECT_EQ(state().state, OperatingState::kEnabled);
   tick(1000);
-  EXPECT_EQ(state().state, OperatingState::kEnabled) << "a second after its end";
+  EXPECT_EQ(state().state, OperatingState::kEnabled) << "a second after the move's end";
   tick(200);
   EXPECT_EQ(state().state, OperatingState::kPaused);
   EXPECT_FALSE(pedal);
@@ -431,7 +431,7 @@ TEST_F(ServoCommands, ThatAreKeptBackAreNotSentTwice) {
     tick();
     farthest = std::max(farthest, tipsApart(tip(), from));
   }
-  EXPECT_NEAR(farthest, 0.01, 1e-6) << "or it would go past";
+  EXPECT_NEAR(farthest, 0.01, 1e-6) << "the tip must not overshoot";
   EXPECT_LT(tipsApart(tip(), goal.p), 1e-6);
 }
 
@@ -444,7 +444,8 @@ TEST_F(ServoCommands, ThatTheMappingRefusesAreTakenBack) {
   for (int i = 0; i < 300; ++i) {
     tick();
     const Pose asked = kinematics::forward(config.arms.geometry, Arm::kGold, mappers[0].desired());
-    ASSERT_LT((mappers[0].desiredPose().p - asked.p).norm(), 3.1e-4) << "a leap, once they are taken";
+    ASSERT_LT((mappers[0].desiredPose().p - asked.p).norm(), 3.1e-4)
+        << "the commands would make a leap once the mapping accepts them";
   }
   EXPECT_LT(tipsApart(tip(), here), 1e-9);
   is_far = false;
@@ -453,7 +454,7 @@ TEST_F(ServoCommands, ThatTheMappingRefusesAreTakenBack) {
     tick();
     ASSERT_LT(tipsApart(tip(), before), 3.1e-4);
   }
-  EXPECT_LT(tipsApart(tip(), goal.p), 1e-6) << "and then it goes on";
+  EXPECT_LT(tipsApart(tip(), goal.p), 1e-6) << "the tip then reaches its goal";
 }
 
 TEST_F(ServoCommands, AreRefusedWhileTheModelGoesBackToTheRobot) {
@@ -462,20 +463,20 @@ TEST_F(ServoCommands, AreRefusedWhileTheModelGoesBackToTheRobot) {
   pedal_before = pedal;
   tick();
   EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kNone);
-  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone) << "the pedal waits for it";
+  EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone) << "the pedal waits for the end of the return";
   EXPECT_EQ(askPose(ServoKind::kServoPose, {0.01, 0.0, 0.0}), ServoRefusal::kMode);
   EXPECT_EQ(askPose(ServoKind::kMovePose, {0.01, 0.0, 0.0}), ServoRefusal::kMode);
-  EXPECT_EQ(ask(ServoCommand{}), ServoRefusal::kNone) << "hold";
+  EXPECT_EQ(ask(ServoCommand{}), ServoRefusal::kNone) << "a hold is accepted";
 }
 
 TEST_F(ServoCommands, EndWhenARobotComesThatTheModelMovedWithout) {
   enable();
   EXPECT_EQ(askPose(ServoKind::kMovePose, {0.03, 0.0, 0.0}), ServoRefusal::kNone);
   tick(100);
-  EXPECT_EQ(state().alone, 0) << "there was none";
+  EXPECT_EQ(state().alone, 0) << "no robot was there before";
   stand.robot_there = true;
   tick(10);
-  EXPECT_EQ(state().state, OperatingState::kEnabled) << "it homes";
+  EXPECT_EQ(state().state, OperatingState::kEnabled) << "the robot homes";
   stand.robot_ready = stand.robot_homed = true;
   tick();
   EXPECT_EQ(state().state, OperatingState::kPaused);
@@ -491,10 +492,10 @@ TEST_F(ServoCommands, EndWhenARobotComesThatTheModelMovedWithout) {
   EXPECT_EQ(state().state, OperatingState::kPaused);
   EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
   tick(5);
-  EXPECT_EQ(state().alone, 1) << "the robot is gone";
+  EXPECT_EQ(state().alone, 1) << "the robot has left";
   stand.robot_there = true;
   tick();
-  EXPECT_EQ(state().state, OperatingState::kPaused) << "and here again";
+  EXPECT_EQ(state().state, OperatingState::kPaused) << "the robot is back";
   EXPECT_EQ(state().alone, 0);
 }
 
@@ -508,7 +509,7 @@ TEST_F(ServoCommands, OutlastTheCamerasPedalWithARobotToo) {
   EXPECT_TRUE(pedal);
   mode = Mode::kTeleoperating;
   stand.linked = true;
-  stand.applies = false;  // until the robot's own pedal is down again
+  stand.applies = false;  // until the robot's pedal is down again
   tick(10);
   stand.applies = true;
   tick(10);
@@ -517,7 +518,7 @@ TEST_F(ServoCommands, OutlastTheCamerasPedalWithARobotToo) {
   mode = Mode::kCameraMoving;
   stand.linked = false;
   tick(50);
-  mode = Mode::kTeleoperating;  // it was lost meanwhile, or disengaged
+  mode = Mode::kTeleoperating;  // the robot was lost or disengaged meanwhile
   tick();
   EXPECT_EQ(state().state, OperatingState::kPaused);
 }
@@ -568,7 +569,7 @@ TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotionsOfEitherArm) {
     pause.state = StateCommand::kPause;
     while (shared->servo_commands.tryPush(move))
       move.pose_B.p[0] += 1e-4;
-    ASSERT_TRUE(shared->servo_commands.tryPush(pause)) << "nor are they lost";
+    ASSERT_TRUE(shared->servo_commands.tryPush(pause)) << "a full queue of motions does not displace a pause";
     const std::uint64_t before = state().received;
     const Vec3 here = at(state().arms, arm).setpoint_B.p;
     tick();
@@ -576,7 +577,7 @@ TEST_F(ServoCommands, ThatStopDoNotWaitBehindAFloodOfMotionsOfEitherArm) {
     EXPECT_FALSE(pedal);
     tick(20);
     EXPECT_EQ(state().received - before, ServoQueue::kMotions + 1);
-    EXPECT_EQ(state().refused, 0U) << "they were over with the pause";
+    EXPECT_EQ(state().refused, 0U) << "the pause ended the moves without a refusal";
     EXPECT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
     tick(100);
     EXPECT_EQ(at(state().arms, arm).is_busy, 0) << name(arm);
@@ -594,7 +595,7 @@ TEST_F(ServoCommands, OfMotionBeforeAnEnableAreNotDoneAfterIt) {
   for (const ServoCommand& command : {move, enabled})
     ASSERT_TRUE(shared->servo_commands.tryPush(command));
   tick(5);
-  EXPECT_EQ(refused.reason, ServoRefusal::kNotEnabled) << "as they came";
+  EXPECT_EQ(refused.reason, ServoRefusal::kNotEnabled) << "the commands count in their order of arrival";
   EXPECT_EQ(state().refused, 1U);
   EXPECT_EQ(mode, Mode::kTeleoperating);
   EXPECT_EQ(state().arms[0].is_busy, 0);
@@ -618,12 +619,12 @@ TEST_F(ServoCommands, OfMotionBeforeAHoldOfTheirArmAreNotDoneAfterIt) {
     for (const ServoCommand& command : {moveOf(arm), moveOf(other), moveOf(arm), hold})
       ASSERT_TRUE(shared->servo_commands.tryPush(command));
     tick(5);
-    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << "held " << name(arm);
-    EXPECT_EQ(at(state().arms, other).is_busy, 1) << "the other arm's";
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << "the hold must end the move of " << name(arm);
+    EXPECT_EQ(at(state().arms, other).is_busy, 1) << "the other arm's move goes on";
     for (const ServoCommand& command : {hold, moveOf(arm)})
       ASSERT_TRUE(shared->servo_commands.tryPush(command));
     tick(5);
-    EXPECT_EQ(at(state().arms, arm).is_busy, 1) << "behind it " << name(arm);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 1) << "the move after the hold must begin on " << name(arm);
     for (const ServoCommand& command : {hold, hold_other})
       ASSERT_TRUE(shared->servo_commands.tryPush(command));
     tick(5);
@@ -647,7 +648,7 @@ TEST_F(ServoCommands, OfEitherArmAreOverWithTheOrderThatLetsGo) {
         ASSERT_TRUE(shared->servo_commands.tryPush(command));
       tick(5);
       EXPECT_NE(state().state, OperatingState::kEnabled) << name(arm);
-      EXPECT_EQ(state().refused, 0U) << name(arm) << ": it was over before it was looked at";
+      EXPECT_EQ(state().refused, 0U) << name(arm) << ": the move ended before it was judged";
     }
   }
 }
@@ -659,7 +660,7 @@ TEST_F(ServoCommands, ThatAreRefusedAtOnceDoNotSlowTheRest) {
   move.pose_B = state().arms[0].setpoint_B;
   for (std::size_t i = 0; i < ServoQueue::kMotions; ++i)
     ASSERT_TRUE(shared->servo_commands.tryPush(move));
-  tick(20);  // eight that are looked at, and the rest 32 a tick
+  tick(20);  // the first eight are accepted, the rest are refused at 32 a tick
   EXPECT_EQ(state().refused, ServoQueue::kMotions - control::ServoTarget::kMoves);
   EXPECT_EQ(refused.reason, ServoRefusal::kQueueFull);
 }
@@ -681,7 +682,7 @@ TEST_F(ServoCommands, AreServedInOrderHoweverManyCome) {
   for (int i = 0; i < 100; ++i)
     ASSERT_TRUE(shared->servo_commands.tryPush(command));
   tick(300);
-  EXPECT_NEAR(tip()[0] - from, 100 * 5e-5, 1e-6) << "every one counts";
+  EXPECT_NEAR(tip()[0] - from, 100 * 5e-5, 1e-6) << "every increment counts";
   EXPECT_EQ(state().refused, 0U);
 }
 

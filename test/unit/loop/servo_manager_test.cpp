@@ -8,7 +8,7 @@
 
 #include "support/servo_client.h"
 
-// CRTK clients at the physics loop: states, who has the pedal, and what becomes of what they ask for (doc/crtk.md).
+// Tests CRTK clients at the physics loop: states, who has the pedal, and the effect of their commands (doc/crtk.md).
 
 namespace raven2_trainer::loop {
 namespace {
@@ -23,11 +23,11 @@ double turnBetween(const Quat& a, const Quat& b) {
   return toEigen(a).angularDistance(toEigen(b));
 }
 
-// [m] At a pedal-down the set point is where the arm is, which lags behind what it was asked for.
+// [m] At a pedal-down the set point becomes the arm's position, which lags behind the commanded one.
 constexpr double kRebased = 2e-3;
 
-// What dry friction keeps the Raven's tool joints from, the integral of their control alone takes away: kp 0.05 Nm/rad
-// over ki 0.05 Nm/(rad s) (raven2.md 3.6) are a time constant of a second.
+// Dry friction holds the Raven's tool joints off their targets. Only the integral of their control law removes that: kp
+// 0.05 Nm/rad over ki 0.05 Nm/(rad s) (raven2.md 3.6) are a time constant of a second.
 constexpr int kSettle = 5000;                     // [ticks]
 constexpr double kRobotOff = 0.5e-3;              // [m]
 constexpr double kRobotTurn = 0.2 * kPi / 180.0;  // [rad]
@@ -36,7 +36,7 @@ class ServoManagerTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { raven2_trainer::testing::useOde(); }
 
-  /** The model alone. */
+  /** Runs the model without a robot. */
   void alone(const std::function<void(TrainerConfig*)>& change = [](TrainerConfig*) {}) {
     TrainerConfig config = ModeDriver::configuration();
     change(&config);
@@ -47,7 +47,7 @@ class ServoManagerTest : public ::testing::Test {
     ASSERT_EQ(state(), OperatingState::kDisabled);
   }
 
-  /** With the virtual Raven, homed. */
+  /** Runs the model with the virtual Raven, homed. */
   void together(const std::function<void(TrainerConfig*)>& change = [](TrainerConfig*) {}) {
     TrainerConfig config = ModeDriver::configuration();
     change(&config);
@@ -87,7 +87,7 @@ TEST_F(ServoManagerTest, TheModelAloneIsHomedAndEnabledByAClient) {
   EXPECT_EQ(c->state().holds_pedal, 1);
   c->rest(3);
   EXPECT_EQ(mode(), Mode::kTeleoperating);
-  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "again";
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "a second enable is accepted";
   EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kInvalid);
   EXPECT_EQ(c->ask(StateCommand::kPause), ServoRefusal::kNone);
   EXPECT_EQ(state(), OperatingState::kPaused);
@@ -145,7 +145,7 @@ TEST_F(ServoManagerTest, WithoutBeingEnabledNothingMoves) {
   EXPECT_EQ(c->ask(StateCommand::kResume), ServoRefusal::kNone);
   c->rest(500);
   EXPECT_EQ(state(), OperatingState::kEnabled);
-  EXPECT_LT(apart(tip(), stopped), kRebased) << "what was asked for before is forgotten";
+  EXPECT_LT(apart(tip(), stopped), kRebased) << "the old command is forgotten";
 }
 
 TEST_F(ServoManagerTest, FreeLetsGoAsAPauseDoes) {
@@ -174,7 +174,7 @@ TEST_F(ServoManagerTest, AClientThatFallsSilentLosesThePedal) {
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGreen, beside(setpoint(Arm::kGreen), {0.02, 0.0, 0.0})),
             ServoRefusal::kNone);
   c->rest(800);  // 0.94 s
-  EXPECT_EQ(state(), OperatingState::kEnabled) << "a move is no silence";
+  EXPECT_EQ(state(), OperatingState::kEnabled) << "a client with a move under way is not silent";
 }
 
 TEST_F(ServoManagerTest, AClientThatKeepsAskingInVainKeepsTheArms) {
@@ -184,7 +184,7 @@ TEST_F(ServoManagerTest, AClientThatKeepsAskingInVainKeepsTheArms) {
     EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {2.0, 0.0, 0.0})),
               ServoRefusal::kUnreachable);
     c->rest(200);
-    rig->shared->servo_unread.add();  // a message that nobody understood
+    rig->shared->servo_unread.add();  // a message that could not be read
     c->rest(400);
     EXPECT_EQ(state(), OperatingState::kEnabled) << i;
   }
@@ -208,7 +208,7 @@ TEST_F(ServoManagerTest, AStopByRequestDisablesAndOnlyTheRequestThatClearsItEnds
   request(RequestKind::kClearStop);
   c->rest(2);
   EXPECT_EQ(mode(), Mode::kPedalUp);
-  EXPECT_EQ(state(), OperatingState::kDisabled) << "nor does clearing enable";
+  EXPECT_EQ(state(), OperatingState::kDisabled) << "clearing the stop does not enable";
   EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
   c->rest(5);
   EXPECT_EQ(mode(), Mode::kTeleoperating);
@@ -230,7 +230,7 @@ TEST_F(ServoManagerTest, OtherModesAreEndedFirst) {
 TEST_F(ServoManagerTest, AnotherModeBeginsBeforeAClientHasThePedalOrNotAtAll) {
   alone();
   c->send(StateCommand::kEnable);
-  request(RequestKind::kBeginSimulation);  // in the very same tick, ahead of the pedal
+  request(RequestKind::kBeginSimulation);  // in the same tick, before the pedal
   for (int i = 0; i < 20; ++i) {
     c->rest(1);
     ASSERT_EQ(mode(), Mode::kSimulationHeld);
@@ -259,12 +259,12 @@ TEST_F(ServoManagerTest, TheCamerasPedalKeepsTheArmsStill) {
   const Vec3 before = tip(), camera = rig->model().camera.eye_W;
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, setpoint()), ServoRefusal::kMode);
   c->rest(100);
-  EXPECT_EQ(rig->model().camera.eye_W, camera) << "nor does a client move the camera";
+  EXPECT_EQ(rig->model().camera.eye_W, camera) << "a client does not move the camera";
   request(RequestKind::kSetCameraPedal, static_cast<std::uint8_t>(CameraPedal::kReleased));
   c->rest(300);
   EXPECT_EQ(mode(), Mode::kTeleoperating);
   EXPECT_EQ(state(), OperatingState::kEnabled);
-  EXPECT_LT(apart(tip(), before), kRebased) << "what was asked for before is forgotten";
+  EXPECT_LT(apart(tip(), before), kRebased) << "the old command is forgotten";
 }
 
 TEST_F(ServoManagerTest, LostTimePauses) {
@@ -294,14 +294,14 @@ TEST_F(ServoManagerTest, TheConsoleTakesThePedalAtOnceAndAClientNeverTakesItsOwn
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
   c->rest(100);
   const std::uint64_t overruled = rig->counts().master_overruled;
-  EXPECT_GT(overruled, 90U) << "its pedal-ups did not count";
+  EXPECT_GT(overruled, 90U) << "the console's pedal-ups did not count";
   c->rest(1, /*console_pedal=*/true);
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(c->state().holds_pedal, 0);
   const Vec3 taken = tip();
   c->rest(200, true);
-  EXPECT_LT(apart(tip(), taken), 1e-9) << "the client's move is over";
-  EXPECT_EQ(mode(), Mode::kTeleoperating) << "without a break";
+  EXPECT_LT(apart(tip(), taken), 1e-9) << "the client's move has ended";
+  EXPECT_EQ(mode(), Mode::kTeleoperating) << "teleoperation goes on without a break";
   c->send(ServoKind::kServoPose, Arm::kGold, setpoint());
   c->rest(1, true);
   EXPECT_EQ(c->last.reason, ServoRefusal::kConsole);
@@ -328,7 +328,7 @@ TEST_F(ServoManagerTest, WhatAClientMovesIsNoMotionOfTheHands) {
   EXPECT_EQ(rig->model().master_I[0], hand);
   EXPECT_EQ(rig->model().pedal, kClientsPedal);
   rig->tick(true, {0.0, 0.0, -40e-6});
-  EXPECT_EQ(rig->model().pedal, kSurgeonsPedal) << "taken without a break";
+  EXPECT_EQ(rig->model().pedal, kSurgeonsPedal) << "the surgeon takes the pedal without a break";
   EXPECT_NEAR(rig->model().master_I[0][2], hand[2] - 40e-6, 1e-12);
   c->rest(5);
   EXPECT_EQ(rig->model().pedal, 0);
@@ -340,7 +340,7 @@ TEST_F(ServoManagerTest, AConsoleThatFallsSilentWithItsPedalDownPauses) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(c->state().holds_pedal, 0);
   std::int64_t now = rig->model().time_ns;
-  for (int i = 0; i < 300; ++i)  // the loop alone: nothing is heard of the console
+  for (int i = 0; i < 300; ++i)  // the loop alone: the console is silent
     rig->physics.tick(now += kTickNanoseconds);
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
@@ -373,7 +373,7 @@ TEST_F(ServoManagerTest, ServoJpReachesItsJoints) {
   }
   EXPECT_FALSE(c->isBusy());
   c->rest(700);
-  for (const Arm arm : kArms)  // and the model is where its controllers are asked to be
+  for (const Arm arm : kArms)  // the model reaches its set points
     EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, setpoint(arm).p), 1.5e-3);
 }
 
@@ -393,7 +393,7 @@ TEST_F(ServoManagerTest, ServoCpLeadsTheSetPointAlongALine) {
     const Vector3 gone = toEigen(tip()) - toEigen(from.p);
     ASSERT_LT((gone - gone.dot(way) * way).norm(), 2e-6);
   }
-  EXPECT_LT(apart(tip(), to.p), 1e-6) << "whole micrometres";
+  EXPECT_LT(apart(tip(), to.p), 1e-6) << "whole micrometres add up";
   EXPECT_LT(turnBetween(setpoint().q, to.q), 1e-6);
   EXPECT_LT(fastest, 0.1e-3 + 2e-6);
   EXPECT_GT(fastest, 0.09e-3);
@@ -417,10 +417,10 @@ TEST_F(ServoManagerTest, MovesAreBusyUntilTheyAreThere) {
     c->rest(1);
     nearest = std::min(nearest, apart(tip(), first.p));
   }
-  EXPECT_LT(nearest, 2e-6) << "by way of the first";
+  EXPECT_LT(nearest, 2e-6) << "the tip passes through the first goal";
   EXPECT_LT(apart(tip(), second.p), 1e-6);
   EXPECT_NEAR(c->arm(Arm::kGreen).setpoint_jaw, 1.4, 0.5e-3 + 1e-9) << "whole milliradians";
-  EXPECT_GT(ticks, 1100) << "10 and 14.1 mm, 15/8 of them at 40 mm/s";
+  EXPECT_GT(ticks, 1100) << "15/8 of 10 and 14.1 mm at 40 mm/s";
 }
 
 TEST_F(ServoManagerTest, MillimetresForMetresMoveNothing) {
@@ -483,7 +483,7 @@ TEST_F(ServoManagerTest, AFaultOfTheMastersStreamIsMadeGoodAtTheRateOfAServo) {
     c->rest(1);
     if (i > 120) off = std::max(off, apart(tip(), to.p));
   }
-  EXPECT_GT(off, 50e-6) << "or there was no fault";
+  EXPECT_GT(off, 50e-6) << "the fault must show";
   EXPECT_LT(apart(tip(), to.p), 1e-6);
 }
 
@@ -554,7 +554,7 @@ TEST_F(ServoManagerTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition)
     c->rest(settle);
     double worst = 0.0;
     for (const Arm arm : kArms) {
-      EXPECT_NEAR(c->arm(arm).setpoint_q[kElbow], at(asked, arm), 2e-4) << "told without the trim";
+      EXPECT_NEAR(c->arm(arm).setpoint_q[kElbow], at(asked, arm), 2e-4) << "the published set point has no trim";
       worst = std::max(worst, std::abs(control::servoJoints(at(rig->robot().arms, arm).q)[kElbow] - at(asked, arm)));
     }
     return worst;
@@ -606,7 +606,7 @@ TEST_F(ServoManagerTest, ARobotThatDoesNotHearTheClientsPedalPausesItAndResuming
   EXPECT_EQ(state(), OperatingState::kPaused);
   rig->robot_hears = true;
   c->rest(500);
-  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "not by itself";
+  EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp) << "the robot must not go pedal-down by itself";
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(rig->model().linked, 1);
@@ -659,7 +659,7 @@ TEST_F(ServoManagerTest, TheCamerasPedalKeepsARobotStillAndTheClientEnabled) {
   EXPECT_EQ(state(), OperatingState::kEnabled);
   EXPECT_EQ(rig->model().linked, 1);
   EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalDown);
-  EXPECT_LT(apart(tip(), before), kRebased) << "what was asked for before is forgotten";
+  EXPECT_LT(apart(tip(), before), kRebased) << "the old command is forgotten";
   const RigidPose to = beside(setpoint(), {0.003, 0.0, 0.0});
   EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, to), ServoRefusal::kNone);
   c->rest(200);
@@ -679,7 +679,7 @@ TEST_F(ServoManagerTest, AnEStopOfTheRobotIsAFaultThatIsEndedAtTheRobot) {
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, beside(setpoint(), {0.02, 0.0, 0.0})), ServoRefusal::kNone);
   c->rest(50);
-  // the robot's frames, with what it says about itself replaced
+  // The robot's frames, with its own state replaced.
   rig->robot_connected = false;
   RobotState said = rig->robot();
   std::array<std::uint8_t, wire::kMaxFrame> frame{};
@@ -734,14 +734,14 @@ TEST_F(ServoManagerTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAsked
     const Vec3 pushed = at(rig->model().arms, arm).p_BT;
     EXPECT_GT(pushed[2] - start[2], 1e-3) << name(arm);
     EXPECT_LT(apart(at(rig->model().arms, other).p_BT, stood), 1e-4);
-    EXPECT_NEAR(apart(c->arm(arm).setpoint_B.p, pushed), 0.0, 1e-3) << "the set point goes along";
+    EXPECT_NEAR(apart(c->arm(arm).setpoint_B.p, pushed), 0.0, 1e-3) << "the set point follows the arm";
     ServoCommand hold;
     hold.arm = arm;
     ASSERT_EQ(c->ask(hold), ServoRefusal::kNone);
     c->rest(500);
     const Vec3 held = at(rig->model().arms, arm).p_BT;
     c->rest(300);
-    EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, held), 2e-4) << "its controllers have it again";
+    EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, held), 2e-4) << "the controllers hold the arm again";
     EXPECT_EQ(c->ask(ServoKind::kMovePose, arm, beside(c->arm(arm).setpoint_B, {0.0, 0.0, -0.005})),
               ServoRefusal::kNone);
     const Vec3 goal = c->arm(arm).goal_B.p;
@@ -797,7 +797,7 @@ TEST_F(ServoManagerTest, GravityIsCompensatedBesideAForceUnlessAClientLeavesTheA
     ASSERT_EQ(c->ask(ServoKind::kServoForces, arm, asked), ServoRefusal::kNone);
     c->rest(2);
     const JointArray held = at(rig->model().arms, arm).tau;
-    EXPECT_GT(std::abs(held[kElbow] - asked[kElbow]), 0.1) << "[Nm] of its weight";
+    EXPECT_GT(std::abs(held[kElbow] - asked[kElbow]), 0.1) << "[Nm] the arm's weight is compensated";
     weight.arm = arm;
     ASSERT_EQ(c->ask(weight), ServoRefusal::kNone);
     c->rest(2);
@@ -811,7 +811,7 @@ TEST_F(ServoManagerTest, AForceThatIsAskedForWithThePedalDownActsOnceTheModelTak
   alone();
   ASSERT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
   const Vec3 start = rig->model().arms[1].p_BT;
-  ASSERT_EQ(c->ask(wrenchOf(Arm::kGreen, {0.0, 0.0, 15.0})), ServoRefusal::kNone) << "one is enough";
+  ASSERT_EQ(c->ask(wrenchOf(Arm::kGreen, {0.0, 0.0, 15.0})), ServoRefusal::kNone) << "one command is enough";
   c->rest(400);
   EXPECT_GT(rig->model().arms[1].p_BT[2] - start[2], 1e-3);
 }
@@ -856,7 +856,7 @@ TEST_F(ServoManagerTest, ForcesAreRefusedWithARobotAndBeyondTheControllers) {
   EXPECT_EQ(c->ask(tool), ServoRefusal::kNotOffered);
 }
 
-// ---- set points while the model goes its own way -----------------------------------------------------------------
+// ---- set points while the model moves without the robot -----------------------------------------------------------
 
 TEST_F(ServoManagerTest, ASetPointOfTheRobotsIsNoneOfAPlanThatTheModelTracks) {
   together();
@@ -889,7 +889,7 @@ TEST_F(ServoManagerTest, ASetPointOfTheRobotsIsNoneOfAPlanThatTheModelTracks) {
     last = now;
     if (i > 1000 && mode() == Mode::kPedalUp) break;
   }
-  EXPECT_GT(model_went, 0.02) << "or the test could not tell";
+  EXPECT_GT(model_went, 0.02) << "the model must move far enough";
   EXPECT_LT(told_jump, 0.5e-3) << "[m] in a tick";
   EXPECT_LT(told_went, 1e-3);
 }
@@ -906,7 +906,7 @@ TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   rig = std::make_unique<Rig>(config);
   c = std::make_unique<ServoClient>(rig.get());
   c->rest(5);
-  EXPECT_NE(state(), OperatingState::kPaused) << "it is not homed";
+  EXPECT_NE(state(), OperatingState::kPaused) << "the robot is not homed";
   ASSERT_TRUE(rig->home());
   c->rest(200);
   EXPECT_EQ(state(), OperatingState::kPaused);
@@ -916,10 +916,10 @@ TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   EXPECT_EQ(rig->model().linked, 1);
   EXPECT_EQ(c->ask(StateCommand::kDisable), ServoRefusal::kNone);
   c->rest(300);
-  EXPECT_EQ(state(), OperatingState::kDisabled) << "that was asked for";
+  EXPECT_EQ(state(), OperatingState::kDisabled) << "as the client asked";
   EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone);
   EXPECT_EQ(c->ask(StateCommand::kPause), ServoRefusal::kNone);
-  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "as resume";
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "enable acts as resume";
   EXPECT_EQ(state(), OperatingState::kEnabled);
 }
 
@@ -930,7 +930,7 @@ TEST_F(ServoManagerTest, InTheRavensDialectUnhomeDisablesUntilHome) {
   rig->robot_connected = false;
   c = std::make_unique<ServoClient>(rig.get());
   c->rest(5);
-  EXPECT_EQ(state(), OperatingState::kPaused) << "the model alone is homed";
+  EXPECT_EQ(state(), OperatingState::kPaused) << "a model without a robot counts as homed";
   ASSERT_TRUE(c->enable());
   EXPECT_EQ(c->ask(StateCommand::kUnhome), ServoRefusal::kNone);
   c->rest(20);

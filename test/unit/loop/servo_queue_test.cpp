@@ -14,7 +14,7 @@ ServoCommand commandOf(ServoKind kind, std::uint32_t id = 0) {
   return command;
 }
 
-/** How many commands of one kind go in. */
+/** Offers commands of one kind. @return how many the queue accepts. */
 std::size_t pushed(ServoQueue* queue, ServoKind kind, int offered) {
   std::size_t count = 0;
   for (int i = 0; i < offered; ++i)
@@ -45,7 +45,7 @@ TEST(ServoQueue, AnOrderSaysBehindHowManyMotionsItCame) {
   EXPECT_EQ(order.command.id, 77U);
   EXPECT_EQ(order.behind, 3U);
   EXPECT_EQ(queue->asked(), 5U);
-  EXPECT_EQ(queue->taken(), 1U) << "orders do not count";
+  EXPECT_EQ(queue->taken(), 1U) << "only motions count";
   EXPECT_FALSE(queue->popOrder(&order));
 }
 

@@ -14,14 +14,14 @@ RingCounts& at(SessionCounts& counts, RingId id) {
   return counts.rings[static_cast<std::size_t>(id)];
 }
 
-/** A session of 1000 ticks of which every sum is right. */
+/** The counts of a session of 1000 ticks in which every sum is right. */
 SessionCounts rightSums() {
   SessionCounts c;
   c.master.received = 980;
   c.master.applied = 975;
   c.master.rejected[static_cast<std::size_t>(Reject::kDuplicate)] = 3;
   c.master.rejected[static_cast<std::size_t>(Reject::kQueueFull)] = 2;
-  at(c, RingId::kMasterCommands) = {975, 970, 2};  // five wait for a tick that never came
+  at(c, RingId::kMasterCommands) = {975, 970, 2};  // five still wait for a tick
   at(c, RingId::kCommandRecords) = {969, 969, 1};
   c.master_used = 900;
   c.relay_sent = 986;
@@ -35,7 +35,7 @@ SessionCounts rightSums() {
   at(c, RingId::kTickRecords) = {998, 998, 2};
   at(c, RingId::kHapticRecords) = {1000, 1000, 0};
   at(c, RingId::kRequests) = {3, 3, 0};
-  at(c, RingId::kPedalRequests) = {5, 4, 1};  // one waits
+  at(c, RingId::kPedalRequests) = {5, 4, 1};  // one still waits
   at(c, RingId::kRequestRecords) = {7, 7, 0};
   c.records_dropped = 3;
   c.loops[0].ticks = 1000;
@@ -52,17 +52,17 @@ TEST(SessionCounts, AddUpWhereEverythingIsAccountedFor) {
   SessionCounts doubled = rightSums();
   doubled.master_used = 1900;
   doubled.master_faults.added = 970;
-  EXPECT_EQ(wrongSum(doubled), nullptr) << "second copies move the model too";
+  EXPECT_EQ(wrongSum(doubled), nullptr) << "duplicated commands move the model too";
 }
 
 TEST(SessionCounts, AddUpWhereClientsAreMastersToo) {
   SessionCounts c = rightSums();
-  c.master_overruled = 300;  // of the console
+  c.master_overruled = 300;  // the console's commands
   c.servo_made = 290;
   at(c, RingId::kCommandRecords) = {959, 959, 1};
   EXPECT_EQ(wrongSum(c), nullptr);
   c.master_used = 961;
-  EXPECT_NE(wrongSum(c), nullptr) << "more than were recorded";
+  EXPECT_NE(wrongSum(c), nullptr) << "more commands were used than recorded";
 }
 
 TEST(SessionCounts, DoNotAddUpAsSoonAsOneIsUnaccountedFor) {

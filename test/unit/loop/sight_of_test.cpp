@@ -27,7 +27,7 @@ TEST(SightOf, ShowsTheToolsWhereTheUrdfPutsThem) {
   std::vector<Pose> links(raven.description.links.size());
   raven.linkPosesInWorld({state.arms[0].q, state.arms[1].q}, &positions, &links);
   for (const Arm arm : kArms) {
-    // the jaws' links turn about the tool's frame
+    // The jaws' links rotate about the tool's frame.
     const Pose& jaw = links[static_cast<std::size_t>(at(raven.links, arm)[kGrasp1])];
     EXPECT_NEAR((toEigen(at(sight.tool_W, arm).p) - jaw.p).norm(), 0.0, 1e-9) << name(arm);
     EXPECT_NEAR(at(sight.opening, arm), 0.7, 1e-12);

@@ -6,7 +6,7 @@
 #include "support/effort.h"
 #include "support/mode_driver.h"
 
-// Virtual trials and their repetition on model and robot: doc/modes.md.
+// Tests virtual trials and their repetition on model and robot: doc/modes.md.
 
 namespace raven2_trainer::loop {
 namespace {
@@ -25,7 +25,7 @@ class Trial : public ::testing::Test {
     tips.clear();
   }
 
-  /** There, a clutch in motion, on, grasping, and part of the way back: some 2 s. */
+  /** Runs a trial of some 2 s: forward, a clutch in motion, further forward, a grasp, and part of the return. */
   void tryIt() {
     ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
     ASSERT_EQ(d->mode(), Mode::kTrialHeld);
@@ -33,7 +33,7 @@ class Trial : public ::testing::Test {
       if (d->mode() == Mode::kTrial) tips.push_back({d->modelTip(Arm::kGold), d->modelTip(Arm::kGreen)});
     };
     d->stroke(400, 0.5);
-    for (int i = 0; i < 200; ++i)  // let go in the middle of a stroke
+    for (int i = 0; i < 200; ++i)  // the pedal goes up in the middle of a stroke
       d->tick(command(10e-6));
     d->rest(false, 150);
     d->stroke(400, 0.5, 0.004);
@@ -49,7 +49,7 @@ class Trial : public ::testing::Test {
     ASSERT_EQ(d->mode(), Mode::kTrialReady);
   }
 
-  /** Forward, and let go: half a second. */
+  /** Runs a trial of half a second: forward, then the pedal up. */
   void tryBriefly() {
     ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
     d->stroke(400, 0.5);
@@ -73,7 +73,7 @@ class Trial : public ::testing::Test {
     d->rest(false, 20);
   }
 
-  /** Holds the pedal until it is over, and looks where the tips are beside where they were in the trial. */
+  /** Holds the pedal until the repetition ends, and compares the tips with those of the trial. */
   void hold(bool on_robot) {
     model_error = robot_error = 0.0;
     int counted = 0;
@@ -95,7 +95,7 @@ class Trial : public ::testing::Test {
   }
 
   std::unique_ptr<ModeDriver> d;
-  std::vector<PerArm<Vec3>> tips;  ///< of the model, tick by tick of the trial
+  std::vector<PerArm<Vec3>> tips;  ///< of the model, for each tick of the trial
   double model_error{0.0}, robot_error{0.0};
 };
 
@@ -105,7 +105,7 @@ TEST_F(Trial, TheRobotKnowsNothingOfItAndWhatIsDoneIsKept) {
   EXPECT_LT(apart(d->robotTip(), stood), 1e-6);
   EXPECT_GT(d->rig.error(Arm::kGold), 3e-3);
   d->rest(true, 100);
-  EXPECT_EQ(d->mode(), Mode::kTrialReady) << "over is over";
+  EXPECT_EQ(d->mode(), Mode::kTrialReady) << "a trial that has ended stays ended";
   EXPECT_EQ(d->rig.model().trial_ticks, tips.size());
 }
 
@@ -122,9 +122,9 @@ TEST_F(Trial, IsRepeatedOnTheModelAndThenOnTheRobot) {
   EXPECT_LT(model_error, 1e-3);
   std::printf("model alone: %.3f mm mean\n", model_error * 1e3);
   d->rest(false, 20);
-  // WHEN it was satisfactory
+  // WHEN the repetition on the model was satisfactory
   arm(/*on_robot=*/true);
-  d->rest(true, 150);  // on its way to the start; the robot's jaws sag by 0.2 rad once its brakes are off
+  d->rest(true, 150);  // moves to the start; the robot's jaws sag by 0.2 rad once its brakes are off
   const double jaws = kinematics::jawOpening(d->rig.plant.jointPositions(Arm::kGold));
   hold(true);
   EXPECT_EQ(d->report().end, ExecutionEnd::kFinished);
@@ -152,11 +152,11 @@ TEST_F(Trial, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
     SetUp();
     tryIt();
     arm(true);
-    const double part = (static_cast<double>(tips.size()) - 250.0) / releases;  // one release in each
+    const double part = (static_cast<double>(tips.size()) - 250.0) / releases;  // one release in each part
     d->rest(true, static_cast<int>(250.0 + part * random.uniform(release, release + 1.0)));
     ASSERT_EQ(d->mode(), Mode::kExecuting) << release;
     d->rest(false, 1);
-    ASSERT_EQ(d->rig.last_relay.command.pedal, 0) << "in the same tick";
+    ASSERT_EQ(d->rig.last_relay.command.pedal, 0) << "the robot's pedal goes up in the same tick";
     ASSERT_EQ(d->rig.last_relay.command.dp_I[0], Vec3{});
     ASSERT_EQ(d->mode(), Mode::kPedalUp);
     ASSERT_EQ(d->report().end, ExecutionEnd::kReleased);
@@ -167,12 +167,12 @@ TEST_F(Trial, ReleaseAtAnyMomentStopsBothWithinTwentyMilliseconds) {
       d->rest(false, 1);
       for (const Arm each : kArms) {
         worst = std::max(worst, apart(d->trueTip(each), at(tip, each)));
-        for (std::size_t j = 0; j <= kInsertion; ++j)  // those with brakes; the tool's joints coast for 40 ms
+        for (std::size_t j = 0; j <= kInsertion; ++j)  // joints with brakes; the tool's joints coast for 40 ms
           ASSERT_NEAR(d->rig.plant.jointPositions(each)[j], at(stopped, each)[j], 1e-5) << kJointNames[j];
       }
     }
     EXPECT_LT(d->rig.error(Arm::kGold), 0.1e-3) << "the model is where the robot is";
-    EXPECT_EQ(d->rig.model().trial_ticks, 0U) << "it no longer stands where the trial began";
+    EXPECT_EQ(d->rig.model().trial_ticks, 0U) << "the robot has left the start of the trial";
   }
   EXPECT_LT(worst, 0.3e-3);
   std::printf("true tips moved %.4f mm from 20 ms after the release on\n", worst * 1e3);
@@ -192,7 +192,7 @@ TEST_F(Trial, ATapeThatIsFullEndsIt) {
   EXPECT_EQ(d->rig.model().trial_ticks, static_cast<std::uint32_t>(whole));
   const Vec3 held = d->modelTip();
   d->stroke(300, 1.0);
-  EXPECT_LT(apart(d->modelTip(), held), 1e-3) << "nothing moves that is not kept";
+  EXPECT_LT(apart(d->modelTip(), held), 1e-3) << "motion that is not recorded does not move the model";
 }
 
 TEST_F(Trial, DiscardedItIsForgottenAndTheModelGoesBack) {
@@ -212,7 +212,7 @@ TEST_F(Trial, DiscardedItLeavesNothingBehind) {
   const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };
   for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
     d->tick(goldTowards(d->rig, before[0].p));
-  ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
+  ASSERT_GT(moved(), 2e-3) << "the tool must have moved the ring";
   d->rest(false, 50);
   ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
   ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
@@ -226,7 +226,7 @@ TEST_F(Trial, NorDoesOneThatAStopEnded) {
     ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
     for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
       d->tick(goldTowards(d->rig, before[0].p));
-    ASSERT_GT(moved(), 2e-3) << "or nothing was touched";
+    ASSERT_GT(moved(), 2e-3) << "the tool must have moved the ring";
     d->rest(false, 50);
     if (discarded) {
       ASSERT_EQ(d->ask(RequestKind::kDiscardTrial), PlanningAnswer::kAccepted);
@@ -236,7 +236,7 @@ TEST_F(Trial, NorDoesOneThatAStopEnded) {
     d->ask(RequestKind::kEmergencyStop);
     d->rest(false, 50);
     ASSERT_EQ(d->mode(), Mode::kStopped);
-    EXPECT_GT(moved(), 1e-4) << "the arms are in its way";
+    EXPECT_GT(moved(), 1e-4) << "the arms are in the ring's place";
     ASSERT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kAccepted);
     ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
     EXPECT_LT(moved(), 1e-5) << discarded;
@@ -244,15 +244,15 @@ TEST_F(Trial, NorDoesOneThatAStopEnded) {
 }
 
 TEST_F(Trial, ItsRepetitionIsRefusedWhereItCannotBe) {
-  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "there is none";
+  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "there is no trial";
   d->ask(RequestKind::kBeginTrial);
-  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "it is not over";
+  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNotNow) << "the trial has not ended";
   d->ask(RequestKind::kEndTrial);
-  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNoPlan) << "nothing was done";
+  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial), PlanningAnswer::kNoPlan) << "the trial is empty";
   d->ask(RequestKind::kDiscardTrial);
   ASSERT_TRUE(d->waitFor(Mode::kPedalUp));
   tryIt();
-  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial, true), PlanningAnswer::kNotNow) << "with the pedal down";
+  EXPECT_EQ(d->ask(RequestKind::kRepeatTrial, true), PlanningAnswer::kNotNow) << "the pedal is down";
   d->rest(false, 5);
   d->ask(RequestKind::kDisengage);
   EXPECT_EQ(d->ask(RequestKind::kRepeatTrial, false, 1), PlanningAnswer::kNoRobot);
@@ -327,7 +327,7 @@ TEST_F(Trial, WithoutARobotTheJawsComeBackAsTheTrialFoundThem) {
   d->rig.link.disconnected();
   d->rest(false, 700);
   const double at_first = kinematics::jawOpening(d->rig.model().arms[0].q_d);
-  d->stroke(300, 1.0, 0.02);  // closes on something, before the trial
+  d->stroke(300, 1.0, 0.02);  // the jaws close before the trial
   d->rest(false, 60);
   const double before = kinematics::jawOpening(d->rig.model().arms[0].q_d);
   ASSERT_LT(before, at_first - 0.3);

@@ -190,7 +190,7 @@ TEST(CameraByName, IsFoundOrTheKnownOnesAreTold) {
   EXPECT_EQ(findCamera(cameras, "side"), nullptr);
   try {
     requireCamera(cameras, "side");
-    FAIL() << "there is none";
+    FAIL() << "no such camera";
   } catch (const ConfigException& e) {
     EXPECT_NE(std::string(e.what()).find("side is not one of: overview top"), std::string::npos) << e.what();
   }

@@ -192,7 +192,7 @@ TEST(HostileMesh, IndicesBeyondTheVerticesAreRefused) {
 }
 
 TEST(HostileMesh, OneLineAsLongAsTheFileIsNotReadBeyondItsEnd) {
-  // AddressSanitizer tells: found by fuzzing
+  // found by fuzzing; AddressSanitizer reports a read beyond the end
   expectMeshRefused("a.obj", "llib /etc/ /etc/[\x01mtllib /etc/passwas\x8d\x88\x9b\xf1v/etc/papad\n", "");
   expectMeshRefused("a.obj", "v 0 0 0 f 1 2 3 12", "");
   expectMeshRefused("a.obj", "f 1 2 3             \n", "");

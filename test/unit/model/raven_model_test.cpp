@@ -245,7 +245,7 @@ TEST(Description, CollisionShapesFitTheDrawing) {
   const Description& d = scene().description;
   for (const Link& l : d.links) {
     if (l.name == "world") continue;
-    // The thin discs under the stand and under the wires' feet are drawn only.
+    // The thin discs under `ring_stand` and under the wires' feet have no collision shapes.
     const double allowed = l.name == "ring_stand" ? 0.010 : 0.003;
     EXPECT_LT(worstUncovered(d, l), allowed) << l.name;
   }
@@ -310,8 +310,8 @@ bool insideLimits(const ArmGeometry& g, const JointArray& q) {
   return true;
 }
 
-/** Whether the arm can be led there from home in a straight line, within its limits all the way, as the robot's
- *  inverse does it: each step near the last. Collisions are not looked at. */
+/** Whether the arm can be led there from home in a straight line, always within its limits, as the robot's inverse
+ *  does it: each step near the last one. Collisions are not checked. */
 bool canBeLed(Arm arm, const Pose& X_BT, JointArray* arrived) {
   const ArmGeometry& g = robot().arms.geometry;
   const Pose X_BH = kinematics::forward(g, arm, g.home);
@@ -442,7 +442,7 @@ TEST(Home, ToolsHangInTheDomeWithoutTouchingAnything) {
   const std::vector<Pose> poses = posesAt({home, home});
   const auto& links = robot().description.links;
   for (std::size_t i = 1; i < links.size(); ++i) {
-    if (links[i].name.rfind("base_link", 0) == 0) continue;  // its foot stands on the table
+    if (links[i].name.rfind("base_link", 0) == 0) continue;  // its foot is on the table
     for (std::size_t j = 1; j < scene().X_WL.size(); ++j) {
       const Link& thing = scene().description.links[j];
       EXPECT_GT(gap(links[i], poses[i], thing, scene().X_WL[j]), 0.004) << links[i].name << " " << thing.name;

@@ -4,7 +4,7 @@
 #include "raven2_trainer/model/raven_model.h"
 #include "test_files.h"
 
-// What config/scenes says of a scene's parts, against the scene's links.
+// Checks a scene's parts in config/scenes against the scene's links.
 
 namespace raven2_trainer::model {
 namespace {
@@ -14,7 +14,7 @@ const char* const kInertial =
     "</inertial>";
 const char* const kShape = "<collision><geometry><sphere radius=\"0.01\"/></geometry></collision>";
 
-/** On a line of its own. */
+/** A link and its joint, on a separate line. */
 std::string link(const std::string& name,
                  const std::string& content,
                  const std::string& joint,

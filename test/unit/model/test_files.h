@@ -19,7 +19,7 @@ inline TrainerConfig shippedConfig() {
   return config::loadTrainerConfig(sourceFile("config/trainer.yaml"));
 }
 
-/** A folder of its own for each test, gone afterwards. */
+/** A separate folder for each test, removed afterwards. */
 class Scratch {
  public:
   Scratch() {

@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kHere = "127.0.0.1";
 
-/** What waits at a port; bind() returns the one it has got. */
+/** A kind of socket that waits at a port; bind() returns the port that it got. */
 struct Kind {
   const char* name;
   int type;
@@ -45,7 +45,7 @@ struct Other {
     EXPECT_EQ(::bind(fd.get(), reinterpret_cast<sockaddr*>(&name), size), 0);
     EXPECT_EQ(::getsockname(fd.get(), reinterpret_cast<sockaddr*>(&name), &size), 0);
     port = ntohs(name.sin_port);
-    if (type == SOCK_STREAM) ::listen(fd.get(), 1);  // without it, /proc/net/tcp does not tell of it
+    if (type == SOCK_STREAM) ::listen(fd.get(), 1);  // without it, /proc/net/tcp does not list the socket
   }
   FileDescriptor fd;
   std::uint16_t port{};
@@ -130,7 +130,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, Binding, testing::ValuesIn(kKinds), [](const aut
   return std::string(info.param.name);
 });
 
-/** The side that closes first keeps its port for a minute. It was a client's: without SO_REUSEADDR. */
+/** The side that closes first keeps its port for a minute. Here a client closed first, without SO_REUSEADDR. */
 TEST(BindingToAnEndedConnection, SaysSo) {
   TakenPort server;
   ASSERT_TRUE(server.listen(1));

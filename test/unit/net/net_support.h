@@ -77,7 +77,7 @@ class PlainSocket {
     const ssize_t size = ::send(fd_.get(), bytes.data(), bytes.size(), MSG_NOSIGNAL);
     return size == static_cast<ssize_t>(bytes.size());
   }
-  /** With a reset, or as one does. */
+  /** Closes with a reset, or normally. */
   void close(bool reset) {
     const linger now{1, 0};
     if (reset) ::setsockopt(fd_.get(), SOL_SOCKET, SO_LINGER, &now, sizeof(now));

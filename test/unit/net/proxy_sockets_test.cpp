@@ -9,7 +9,7 @@
 #include "raven2_trainer/net/stream_socket.h"
 #include "raven2_trainer/net/udp_socket.h"
 
-// Sockets of the program that stands between two others (impair).
+// Sockets of a program between two others (impair).
 
 namespace raven2_trainer::net {
 namespace {
@@ -38,7 +38,7 @@ TEST(UdpSocket, TellsWhoSentAndAnswersThere) {
   EXPECT_FALSE(connected.receive(&byte, 1));
 }
 
-/** As UdpSender: a refusal is told instead of the next sending. */
+/** As with UdpSender, the system reports a refusal in place of the next send. */
 TEST(UdpSocket, APeerThatWasAwayMissesNothingThatIsSentToItLater) {
   std::uint16_t port = UdpSocket::bound(kLoopback, 0).port();
   UdpSocket sender = UdpSocket::connected({INADDR_LOOPBACK, port});

@@ -20,7 +20,7 @@ const char* const kLoopback = "127.0.0.1";
 using Event = TcpClient::Event;
 using Bytes = std::vector<std::uint8_t>;
 
-/** Notes what the server tells. */
+/** Records the server's events. */
 class Notes : public TcpServer::Listener {
  public:
   void onConnect(TcpServer::ClientId client) override { connected.push_back(client); }
@@ -33,7 +33,7 @@ class Notes : public TcpServer::Listener {
   std::map<TcpServer::ClientId, Bytes> received;
 };
 
-/** A client, the events it told and the frames it took, on the real clock. */
+/** A client with its events and the frames that it received, on the real clock. */
 struct Reader {
   explicit Reader(std::uint16_t port) : client(kLoopback, port, 0.001, 0.01) {}
 
@@ -279,7 +279,7 @@ TEST(Tcp, AStormOfConnectionsWithWritesLeavesNoDescriptorsAndTheCountersAddUp) {
   Reader good(server.port());
   ASSERT_TRUE(meet(&server, &notes, &good));
   const int before = openDescriptors();
-  // WHEN they come and go, each with some bytes, while frames are sent; time is ours, so that none is one too many
+  // WHEN visitors come and go, each with some bytes, while frames are sent on the test's clock, so that all get a place
   std::int64_t now_ns = monotonicNow();
   Random random(5);
   std::uint32_t sequence = 0;
@@ -308,7 +308,7 @@ TEST(Tcp, AStormOfConnectionsWithWritesLeavesNoDescriptorsAndTheCountersAddUp) {
   EXPECT_EQ(server.reader(notes.connected[0]).frames.sent, sequence);
 }
 
-/** Fills the places; `marked` are those of which a part of a message waits. */
+/** Fills all places. The `marked` clients have sent a part of a message. */
 struct FullHouse {
   explicit FullHouse(const std::vector<std::size_t>& marked) {
     for (std::size_t i = 0; i < TcpServer::kMaxClients; ++i) {
@@ -378,7 +378,7 @@ TEST(Tcp, AReaderThatTakesSomethingNowAndThenIsNotStalled) {
     for (const std::int64_t end = now_ns + 3 * kHalfSecond; now_ns < end; now_ns += kHalfSecond)
       server.poll(0, notes, now_ns);
     const std::uint64_t sent = server.totals().sent;
-    ASSERT_TRUE(eventually([&] {  // what it reads makes room, without our clock moving
+    ASSERT_TRUE(eventually([&] {  // its reading makes room while the test's clock does not move
       slow.poll();
       server.poll(0, notes, now_ns);
       return server.totals().sent > sent;
@@ -658,7 +658,7 @@ TEST(TcpClient, NeverSendsHalfAFrame) {
     if (!failed) ++accepted;
   }
   ASSERT_TRUE(failed);
-  // THEN the server gets all that was accepted, and anything more is followed by the end of the connection
+  // THEN the server gets all accepted bytes, and anything more is followed by the end of the connection
   const Bytes& got = notes.received[notes.connected[0]];
   EXPECT_TRUE(eventually([&] {
     server.poll(1, notes);

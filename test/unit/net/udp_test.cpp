@@ -157,7 +157,7 @@ TEST(Udp, ADepartedAskerDoesNotSilenceTheReceiver) {
   }
   receiver.pinSource(gone);
   for (int i = 0; i < 3; ++i)
-    receiver.sendTo(gone, &byte, 1);  // refused: told at the next call
+    receiver.sendTo(gone, &byte, 1);  // refused: the next call reports it
   EXPECT_FALSE(receiver.receive(&byte, 1));
   receiver.unpinSource();
   UdpSender next(kLoopback, receiver.port());
@@ -188,7 +188,7 @@ TEST(Udp, SendsToNobodyWithoutFailingAndReachesALateReceiver) {
   }
   UdpSender sender(kLoopback, port);
   std::uint8_t byte = 7;
-  // an odd number: were a refusal told instead of a sending, the next one would be the one lost
+  // an odd number: if a refusal were reported in place of a send, the next packet would be lost
   for (int i = 0; i < 101; ++i)
     EXPECT_TRUE(sender.send(&byte, 1)) << i;
   UdpReceiver late(kLoopback, port);

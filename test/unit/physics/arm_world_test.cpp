@@ -125,7 +125,7 @@ TEST(ArmWorld, TwoInTwoThreadsMoveAsOneAlone) {
   const model::RavenModel raven = makeRaven();
   const Trace gold = run(raven, Arm::kGold, 7, 1), green = run(raven, Arm::kGreen, 8, 1);
   EXPECT_FALSE(gold == green) << "the comparison must notice a difference";
-  // Several rounds: without a threading implementation of its own for each world, ODE aborts in most of them.
+  // Several rounds: without a separate threading implementation for each world, ODE aborts in most of them.
   for (int round = 0; round < 4; ++round) {
     Trace other;
     std::thread thread([&] { other = run(raven, Arm::kGreen, 8, 1); });

@@ -180,7 +180,7 @@ TEST_F(Breakable, ItsMomentIsAboutItsFootWhereverThatStands) {
   }
 }
 
-/** Whether the contacts of a tick press the post with more than so many newtons. */
+/** Whether the contacts of a tick press the post with more than `newtons`. */
 bool isPressed(const RavenWorld& world, double newtons) {
   ContactList list;
   world.contactList(&list);
@@ -192,7 +192,7 @@ bool isPressed(const RavenWorld& world, double newtons) {
   return sum.norm() > newtons;
 }
 
-/** A post under the gold tool, and on it, beside the tool, a weight that is this share of what it bears. */
+/** A post under the gold tool. On it, next to the tool, is a weight: this share of the force that the post bears. */
 model::SceneModel makeAnvil(const Vector3& tip, double share) {
   model::SceneModel scene = testing::makeEmptyScene();
   addSceneLink(&scene, "post", model::JointKind::kFixed, shift(tip.x(), tip.y(), tip.z() - 0.04),
@@ -258,7 +258,7 @@ TEST_F(Breakable, KnocksWithPausesDoNotAddUp) {
     all += run > 0 ? 1 : 0;
   }
   ASSERT_GT(longest, 0);
-  ASSERT_GT(all, longest + 1) << "one knock alone would show nothing";
+  ASSERT_GT(all, longest + 1) << "a single knock would show nothing";
   EXPECT_TRUE(breaksWithin(makeHail(longest), kLong));
   EXPECT_FALSE(breaksWithin(makeHail(longest + 1), kLong));
 }

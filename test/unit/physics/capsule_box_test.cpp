@@ -133,7 +133,7 @@ TEST(CapsuleBox, ABarAlongAFaceTouchesAtBothEndsOfTheStretchTheyShare) {
 
 TEST(CapsuleBox, TheMarginAddsGapsAndNothingElse) {
   Pair pair{{}, {}, 0.002, 0.020, Vector3(0.002, 0.010, 0.005)};
-  pair.X_WC.p = Vector3(0.0, 0.0122, 0.0);  // 0.2 mm beside the box, standing
+  pair.X_WC.p = Vector3(0.0, 0.0122, 0.0);  // upright, 0.2 mm from the box
   OverlapPoints points;
   EXPECT_EQ(overlap(pair, &points), 0);
   ASSERT_GE(overlap(pair, &points, 3e-4), 1);

@@ -71,9 +71,8 @@ class Loop {
 constexpr JointArray kSpeeds{0.10, 0.10, 0.010, 0.3, 0.15, 0.15, -0.10};  // of ramps [rad/s, m/s]
 
 TEST(ClosedLoop, JointsLagBehindARampByDampingOverStiffness) {
-  // GIVEN all joints following ramps for 2 s, WHEN the start has died away
-  // THEN e kp = (kd + b) v + c: the damping acts on the velocity itself, as in the robot (raven2.md 3.6), c is dry
-  // friction
+  // GIVEN all joints following ramps for 2 s, WHEN the start has died away THEN e kp = (kd + b) v + c.
+  // The damping acts on the velocity itself, as in the robot (raven2.md 3.6); c is dry friction
   Loop loop;
   JointArray target = loop.geometry().home;
   for (int i = 0; i < 2000; ++i) {

@@ -34,7 +34,7 @@ model::CollisionShape ofPlate(model::CollisionShape shape) {
   return shape;
 }
 
-/** A ring above a floor, beside a wall. */
+/** A ring above a floor, next to a wall. */
 model::SceneModel makeCorner() {
   model::SceneModel scene = testing::makeEmptyScene();
   addSceneLink(&scene, "floor", model::JointKind::kFixed, shift(0, 0, -0.05), {ofPlate(box(Pose{}, 1.0, 1.0, 0.1))},
@@ -82,7 +82,7 @@ TEST_P(Thrown, ARingNeverHasMoreEnergyThanBefore) {
     for (int tick = 0; tick < 1500; ++tick) {
       world.step({world.gravityTorque(Arm::kGold), world.gravityTorque(Arm::kGreen)});
       const double now = energy(ringOf(world), config.gravity);
-      // What a spring holds for a moment comes back, and a fall in steps of 1 ms is off by m g v h / 2 a step.
+      // A spring returns the energy that it stores, and a fall in steps of 1 ms is off by m g v h / 2 a step.
       ASSERT_LT(now, first + 1e-5) << "throw " << i << ", tick " << tick;
       least = std::min(least, now);
     }

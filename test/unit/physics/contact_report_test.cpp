@@ -66,7 +66,7 @@ TEST(ContactReport, AWeightAtRestIsCarriedByTheFloor) {
   RavenWorld world(makeRaven(), makeBricks(1), armsApart());
   rest(&world, 500);
   EXPECT_NEAR((forceOn(world, "brick0") - Vector3(0, 0, 0.005 * 9.81)).norm(), 0.0, 1e-4 * 0.005 * 9.81);
-  // a contact is told once, with one force: what acts on the partner is its opposite by construction
+  // a contact is reported once, with one force: by construction, the opposite force acts on the partner
   EXPECT_NEAR((forceOn(world, "floor") + forceOn(world, "brick0")).norm(), 0.0, 1e-15);
 }
 
@@ -87,7 +87,7 @@ TEST(ContactReport, NamesPartnersAndIsSorted) {
 }
 
 TEST(ContactReport, CountsWhatFindsNoRoom) {
-  // GIVEN five bricks, each standing on four floors at once: 80 contacts
+  // GIVEN five bricks, each on four floors at once: 80 contacts
   model::SceneModel scene = makeBricks(5);
   for (int i = 0; i < 3; ++i) {
     testing::addSceneLink(&scene, "floor" + std::to_string(i), model::JointKind::kFixed, testing::shift(0, 0, -0.005),
@@ -129,7 +129,7 @@ TEST(ContactReport, AnArmPressesAsItsJointTorquesSay) {
   const JointArray q = testing::position(world, Arm::kGold), held = world.gravityTorque(Arm::kGold);
   const JointArray tau = testing::drive(world, Arm::kGold, target);
   testing::driveStep(&world, {target, raven.arms.geometry.home});
-  // THEN torque beyond gravity is what the contacts' forces ask of each joint: tau + J' f = 0 at the contact point
+  // THEN the torque beyond gravity balances the contacts' forces at each joint: tau + J' f = 0 at the contact point
   const Pose X_WT = at(raven.X_WB, Arm::kGold) * kinematics::forward(raven.arms.geometry, Arm::kGold, q);
   const kinematics::Jacobian J = kinematics::jacobian(raven.arms.geometry, Arm::kGold, q);
   const ContactList list = contactsOf(world);

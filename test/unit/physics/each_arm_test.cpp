@@ -10,7 +10,7 @@
 #include "test_drive.h"
 #include "test_models.h"
 
-// What a world does for one arm it does for the other, whatever that other one does.
+// A world treats both arms alike, whatever the other arm does.
 
 namespace raven2_trainer::physics {
 namespace {
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Both, EachArm, ::testing::ValuesIn(kArms), [](const aut
 });
 
 TEST_P(EachArm, ItsJawsMeetByItsOwnOpeningAndSwitch) {
-  // GIVEN the other arm's jaws wide open, and its contacts the other way round
+  // GIVEN the other arm's jaws wide open, and its contacts off when this arm's are on, and on when they are off
   for (const bool enabled : {true, false}) {
     RavenWorld world(raven_, makeEmptyScene(), modelConfig());
     world.setCollisions(arm(), enabled);

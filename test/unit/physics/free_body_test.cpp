@@ -158,7 +158,7 @@ TEST(FreeBody, SinksIntoTheFloorAsTheSpringSaysInHoweverManySteps) {
     SceneSnapshot snapshot;
     world.saveScene(&snapshot);
     ASSERT_EQ(snapshot.pair_count, 1U);
-    EXPECT_NEAR(snapshot.pairs[0].normal, 0.5 * kGravity, 0.02 * 0.5 * kGravity) << "what friction is bound by";
+    EXPECT_NEAR(snapshot.pairs[0].normal, 0.5 * kGravity, 0.02 * 0.5 * kGravity) << "the force that bounds friction";
   }
 }
 

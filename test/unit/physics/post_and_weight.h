@@ -17,8 +17,7 @@ inline model::Inertial cube(double mass, double side) {
   return inertial(mass, Vector3::Zero(), moment, moment, moment);
 }
 
-/** A floor, a post of 30 mm with an arm at its top, and a cube of so many kg that lies on it, x from the post's axis.
- */
+/** A floor, a post of 30 mm with an arm at its top, and a cube of `mass` [kg] on it, `x` [m] from the post's axis. */
 inline model::SceneModel makePostAndWeight(double mass, double x) {
   model::SceneModel scene = makeEmptyScene();
   addSceneLink(&scene, "floor", model::JointKind::kFixed, shift(0, 0, -0.005), {box(Pose{}, 0.4, 0.4, 0.010)}, {});

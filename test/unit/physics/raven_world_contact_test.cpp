@@ -156,8 +156,8 @@ TEST(RavenWorldContact, AToolPushesTheRing) {
 }
 
 TEST(RavenWorldContact, HingesStayTogetherUnderContact) {
-  // THEN kinematics of the joints read from the bodies still describe the bodies: a gap would show as a tip off the
-  // chain, so after the stirring, putting the arm on the exact chain must not change the contact-free gravity torque
+  // THEN the joints read from the bodies still describe the bodies. A gap would show as a tip off the chain. So after
+  // the stirring, putting the arm on the exact chain must not change the contact-free gravity torque
   const model::RavenModel raven = makeRaven();
   RavenWorld world(raven, makeFloorAndRing(), modelConfig());
   double worst = 0.0;

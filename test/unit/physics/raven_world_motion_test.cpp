@@ -114,7 +114,7 @@ TEST(RavenWorldMotion, ReadsBackWhatWasSetAfterOneStep) {
     }
     const PerArm<JointArray> q{position(world, Arm::kGold), position(world, Arm::kGreen)};
     world.step(gravity(world));
-    // THEN the bodies have moved by dq h along every joint: what remains is the turning of the axes within the step
+    // THEN the bodies have moved by dq h along every joint: the rest is the rotation of the axes within the step
     for (const Arm arm : kArms) {
       for (std::size_t j = 0; j < kJointCount; ++j) {
         EXPECT_NEAR(position(world, arm)[j], at(q, arm)[j] + rate(world, arm)[j] * kTickSeconds, 1e-6)
@@ -300,7 +300,7 @@ TEST(RavenWorldMotion, JointsStopAtTheirLimits) {
       }
       world.step(tau);
     }
-    // THEN every joint rests at its stop, tool roll included, which is beyond half a turn
+    // THEN every joint rests at its stop, also the tool roll, whose stop is beyond half a revolution
     for (const Arm arm : kArms) {
       const JointArray q = kinematics::toUrdf(arm, raven.arms.geometry.d4, position(world, arm));
       for (std::size_t j = 0; j < kJointCount; ++j) {

@@ -10,7 +10,7 @@
 #include "test_drive.h"
 #include "test_models.h"
 
-// The same commands give the same bytes, on any thread; whatever ODE or a caller does, the process lives.
+// The same commands give the same bytes, on any thread; no error of ODE or of a caller ends the process.
 
 namespace raven2_trainer::physics {
 namespace {
@@ -70,7 +70,7 @@ TEST(RavenWorldReplay, TwoWorldsOnTwoThreadsGiveTheSameBytes) {
   const model::RavenModel raven = makeRaven();
   const model::SceneModel scene = makeFloorAndRing();
   const WorldTrace alone = run(raven, scene, 0.0);
-  // Several rounds: without a threading implementation of its own for each world, ODE aborts in most of them.
+  // Several rounds: without a separate threading implementation for each world, ODE aborts in most of them.
   for (int round = 0; round < 4; ++round) {
     WorldTrace first, second;
     std::thread other([&] { second = run(raven, scene, 0.0); });

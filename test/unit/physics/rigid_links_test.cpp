@@ -16,7 +16,7 @@ Matrix3 boxTensor(double mass, const Vector3& e) {
          Vector3(squares.y() + squares.z(), squares.z() + squares.x(), squares.x() + squares.y()).asDiagonal();
 }
 
-/** A carrier on a floating joint and what it carries: the halves of a box, away from the carrier's origin. */
+/** A carrier on a floating joint with its load: the halves of a box, away from the carrier's origin. */
 model::Description makeHalves(const Pose& X_KL, const Vector3& middle, const Vector3& edges, double mass) {
   const Vector3 half(edges.x() / 2, edges.y(), edges.z()), offset(edges.x() / 4, 0, 0);
   model::Link carrier, carried;

@@ -40,7 +40,7 @@ model::SceneModel makeTumble(const Start& start) {
   return scene;
 }
 
-/** In which the weight stands on the post: it breaks off. */
+/** A start with the weight on the post: the post breaks off. */
 Start onThePost() {
   Start start;
   start.weight = shift(0.0, -0.12, 0.040);
@@ -73,8 +73,8 @@ class SceneSnapshotTest : public ::testing::Test {
     }
   }
 
-  /** Saves a world that began with `saved` after so many ticks, goes on for 1 s, and does the same once more in a world
-   *  of another past. @return whether both went the same way, to the last bit */
+  /** Saves a world that began with `saved` after `ticks`, goes on for 1 s, and repeats that second in a world with
+   *  another history. @return whether both runs are equal, to the last bit */
   void expectSameFuture(const Start& saved, const Start& other, int ticks) {
     RavenWorld a(raven_, makeTumble(saved), testing::modelConfig());
     RavenWorld b(raven_, makeTumble(other), testing::modelConfig());

@@ -10,7 +10,7 @@
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/physics/model_config.h"
 
-// Models built by hand, so that a test says what it stands on. The chain is the DH table of raven2.md 2.1 and 2.2, the
+// Models built by hand, so that a test shows its assumptions. The chain is the DH table of raven2.md 2.1 and 2.2, the
 // masses those of its 6.2; tool links are rods of about the real size.
 
 namespace raven2_trainer::physics::testing {
@@ -65,7 +65,7 @@ inline ModelConfig modelConfig() {
   config.cfm = 0.0;
   config.contact_mu = 0.8;
   config.jaw_mu = 0.8;
-  config.materials = {{"tool", 4.0e7, 1.6e5}};  // hard, so that weights stand where they are put
+  config.materials = {{"tool", 4.0e7, 1.6e5}};  // hard, so that weights stay where they are put
   config.arm_give = {1.0e3, 0.0, 0.0};
   config.arm_contacts.fill(true);
   return config;

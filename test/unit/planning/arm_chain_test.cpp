@@ -115,12 +115,12 @@ TEST_P(LeverBoundTest, NoPointMovesFartherThanItSays) {
       fullest = std::max(fullest, (after - before).norm() / most);
     }
   }
-  EXPECT_GT(fullest, 0.9);  // some motion all but reaches its bound
+  EXPECT_GT(fullest, 0.9);  // some motion almost reaches its bound
 }
 
 TEST_P(LeverBoundTest, ALeverIsTheGreatestDistanceFromTheAxis) {
-  // GIVEN a ball of 1 mm on the shaft's axis 0.30 m from the remote centre on the far side (insertion 0.47 m puts frame
-  // 4 on it): shoulder and elbow axes pass through that centre
+  // GIVEN a ball of 1 mm on the shaft's axis, 0.30 m beyond the remote centre (insertion 0.47 m puts frame 4 on the
+  // centre). The axes of shoulder and elbow pass through the centre.
   const model::RavenModel& raven = test::trainer().raven;
   const ArmChain chain(raven, GetParam());
   Solid ball;
@@ -133,7 +133,7 @@ TEST_P(LeverBoundTest, ALeverIsTheGreatestDistanceFromTheAxis) {
   EXPECT_NEAR(levers[kToolRotation], 0.001, 1e-12);
   EXPECT_DOUBLE_EQ(levers[kInsertion], 1.0);
   EXPECT_NEAR(levers[kElbow], 0.30 * std::sin(52 * kPi / 180), 0.003);  // La23 = 52 degrees between axis 2 and shaft
-  EXPECT_NEAR(levers[kShoulder], 0.30, 0.003);  // as far as the ball from the centre, in the worst of poses
+  EXPECT_NEAR(levers[kShoulder], 0.30, 0.003);  // the ball's distance from the centre, in the worst pose
   for (const Joint after : {kWrist, kGrasp1, kGrasp2})
     EXPECT_EQ(levers[after], 0.0);
 }
@@ -149,7 +149,7 @@ Solid randomSolid(bool is_box, Random* random) {
   return makeSolid({}, {}, shape, Pose{}, 0.0);
 }
 
-/** A box's corners; of a capsule, points of its ends' balls. */
+/** The corners of a box, or points on the end balls of a capsule. */
 std::vector<Vector3> cornersOf(const Solid& solid) {
   std::vector<Vector3> points;
   for (int i = 0; i < 8; ++i) {
@@ -171,7 +171,7 @@ TEST_P(LeverBoundTest, HoldsForEveryCornerOfAnySolidOnAnyJoint) {
     const Solid solid = randomSolid(is_box, &random);
     const LeverBound bound(chain, joint, solid);
     const std::vector<Vector3> corners = cornersOf(solid);
-    // Its own joint's lever is the distance of the farthest point from the axis, which is z.
+    // For the joint that carries the solid, the lever is the distance of the farthest point from the axis, z.
     double farthest = 0.0;
     for (const Vector3& p : corners)
       farthest = std::max(farthest, std::hypot(p.x(), p.y()));
@@ -195,7 +195,7 @@ TEST_P(LeverBoundTest, HoldsForEveryCornerOfAnySolidOnAnyJoint) {
 }
 
 TEST_P(LeverBoundTest, HoldsForOneJointThatTurnsAlone) {
-  // The bound of a single joint has nothing to spare: each joint, at both ends of the insertion
+  // The bound of a single joint is tight. Test each joint at both ends of the insertion.
   const model::RavenModel& raven = test::trainer().raven;
   const ArmGeometry& g = raven.arms.geometry;
   const ArmChain chain(raven, GetParam());

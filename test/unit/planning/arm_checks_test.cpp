@@ -9,7 +9,7 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "shipped_trainer.h"
 
-// What one plan asks of an arm's surroundings, and that nothing of it is left in the next one.
+// Tests the checks of one plan against the arm's surroundings, and that a plan leaves nothing behind for the next one.
 
 namespace raven2_trainer::planning {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kClearance = 0.002, kEdgeStep = 0.01;
 constexpr double kBetween = 0.002 / 8.0;  // [m] half a step of an edge at a tight end moves no point of a tool by more
 constexpr double kEndReach = 0.03;  // [-] in the cube: arm_checks.h, "near that end"
 
-/** Small balls all about the place where the tools work. */
+/** Small balls all over the place where the tools work. */
 model::SceneModel strewnBalls() {
   Random random(31);
   std::vector<model::CollisionShape> shapes;
@@ -47,7 +47,7 @@ class ArmChecksOf : public ::testing::TestWithParam<Arm> {
 
   JointArray randomOther() { return test::randomJoints(raven_.arms.geometry, &random_); }
 
-  /** A state that does not touch, but is nearer than the clearance. */
+  /** A state that touches nothing, but is nearer than the clearance. */
   UnitState randomTight(ArmChecks* checks) {
     for (;;) {
       const UnitState unit = randomUnit();
@@ -68,20 +68,20 @@ INSTANTIATE_TEST_SUITE_P(Both, ArmChecksOf, ::testing::ValuesIn(kArms), [](const
 });
 
 TEST_P(ArmChecksOf, NothingOfOnePlanIsLeftInTheNext) {
-  // GIVEN plans one after the other, each with another place of the other arm and another opening of the jaws
+  // GIVEN a series of plans, each with another pose of the other arm and another opening of the jaws
   ArmChecks used = make(), fresh = make();
   int differing = 0, allowed = 0, edges = 0, free_edges = 0;
   for (int plan = 0; plan < 20; ++plan) {
     const JointSpace space(raven_.arms.geometry, random_.uniform(0.0, 2.0));
     const JointArray other = randomOther(), elsewhere = randomOther();
-    // WHEN one has answered for another place, opening and end before
+    // WHEN the used checks have answered before for another pose, opening and end
     const JointSpace another(raven_.arms.geometry, 0.5);
     used.begin(another, elsewhere);
     const UnitState tight = randomTight(&used);
-    fresh.begin(another, home_);  // an end of neither
+    fresh.begin(another, home_);  // allows no end
     used.begin(space, other);
     fresh.begin(space, other);
-    // THEN it answers as one that is new
+    // THEN they answer like new checks
     EXPECT_FALSE(used.isAllowedEnd(tight));
     const UnitState beside = interpolate(tight, randomUnit(), 0.1);
     EXPECT_EQ(used.isEdgeFree(tight, beside), fresh.isEdgeFree(tight, beside)) << plan;
@@ -104,7 +104,7 @@ TEST_P(ArmChecksOf, NothingOfOnePlanIsLeftInTheNext) {
       differing += used.isFree(a) != fresh.isFree(a) ? 1 : 0;
     }
   }
-  EXPECT_GT(differing, 0) << "or the other arm is nowhere in the way";
+  EXPECT_GT(differing, 0) << "the other arm must be an obstacle somewhere";
   EXPECT_GT(allowed, 100);
   EXPECT_GT(free_edges, 50);
   EXPECT_LT(free_edges, edges);
@@ -125,10 +125,10 @@ TEST_P(ArmChecksOf, AnswersForTheOpeningOfItsPlan) {
       differing += touches != judge.touches(another.toJoints(unit)) ? 1 : 0;
     }
   }
-  EXPECT_GT(differing, 0) << "or the jaws are nowhere in the way";
+  EXPECT_GT(differing, 0) << "the jaws must touch something somewhere";
 }
 
-/** Whether an edge, looked at in 100 places, touches nothing, and keeps the clearance but near its tight end. */
+/** Whether an edge touches nothing in 100 places, and keeps the clearance except near its tight end. */
 bool keepsTheContract(ArmCollision* bare,
                       ArmCollision* kept,
                       const JointSpace& space,
@@ -162,7 +162,7 @@ TEST_P(ArmChecksOf, EdgesAtATightEndAreLetOffTheClearanceNearItAndTheTouchNowher
     within += keeps ? 1 : 0;
     kept_all += !keeps ? 1 : 0;
   }
-  EXPECT_GT(called_free, 0.8 * within) << "it is let off, or no plan could leave such a place";
+  EXPECT_GT(called_free, 0.8 * within) << "the tight end is let off; else no plan could leave such a place";
   EXPECT_GT(called_free, 20);
   EXPECT_GT(kept_all, 20);
 }

@@ -16,7 +16,7 @@ const ArmProspect kStuck = prospect(false, PlanStatus::kGoalUnreachable, 0.0);
 
 struct Row {
   ArmProspect gold, green;
-  Arm from_gold, from_green;  // the choice if gold was asked for, and green
+  Arm from_gold, from_green;  // the choice if the request names gold, or green
 };
 
 TEST(ChooseArm, TakesWhoReachesTheGoalThenWhoIsNearer) {

@@ -51,7 +51,7 @@ struct Tally {
   }
 };
 
-/** Gold arm under the lid behind the left wire: close quarters. */
+/** Gold arm under the lid behind the left wire: a narrow place. */
 constexpr JointArray kInsideTheDome{0.78, 1.62, 0.335, 0.06, -0.015, kPi / 4, kPi / 4};
 
 void expectAgreement(const Tally& tally, double strictness) {
@@ -67,7 +67,7 @@ TEST(ArmClearance, IsGivenUpWhereverItsMakingIsToldTo) {
   const DistanceGrid grid(t.raven, t.scene);
   int polls = 0;
   const ArmClearance polled(t.raven, grid, Arm::kGold, kClearance, [&polls] { ++polls; });
-  // 513 nodes by the shoulder, 129 x 129 by shoulder and elbow, 129 x 65 by elbow and insertion
+  // Nodes: 513 over the shoulder, 129 x 129 over shoulder and elbow, 129 x 65 over elbow and insertion.
   EXPECT_EQ(polls, (513 + 129 * 129 + 129 * 65) / static_cast<int>(EverySoOften::kPieces));
   for (const int last : {1, polls / 2, polls}) {
     int asked = 0;
@@ -109,7 +109,7 @@ TEST(ArmClearance, AgreesWithTheExactJudgeInCloseQuarters) {
   }
 }
 
-/** Joints that put an arm's tip at a place in W, turned as at home; none if they are out of reach. */
+/** Joints that put an arm's tip at a place in W, oriented as at home; empty if the place is out of reach. */
 std::optional<JointArray> jointsAt(const model::RavenModel& raven, Arm arm, const Vector3& tip) {
   const ArmGeometry& g = raven.arms.geometry;
   const Pose X_BT{kinematics::forward(g, arm, g.home).R, at(raven.X_WB, arm).inverse() * tip};
@@ -121,7 +121,7 @@ std::optional<JointArray> jointsAt(const model::RavenModel& raven, Arm arm, cons
 }
 
 TEST(ArmClearance, AgreesWithTheExactJudgeWithTheArmsAmongEachOther) {
-  // GIVEN both tips about one point above the opening of the lid
+  // GIVEN both tips near one point above the opening of the lid
   Random random(3);
   const model::RavenModel& raven = test::trainer().raven;
   Judges judges(raven, test::trainer().scene, Arm::kGold);
@@ -139,7 +139,7 @@ TEST(ArmClearance, AgreesWithTheExactJudgeWithTheArmsAmongEachOther) {
   EXPECT_GT(tally.touching, 100);
 }
 
-/** Balls, capsules and boxes strewn about the place where the tools of test::raven() work. */
+/** Balls, capsules and boxes strewn over the place where the tools of test::raven() work. */
 model::SceneModel strewnScene(std::uint64_t seed) {
   Random random(seed);
   std::vector<model::CollisionShape> shapes;
@@ -188,7 +188,7 @@ TEST(ArmClearance, AgreesWithTheExactJudgeInScenesMadeUp) {
   }
 }
 
-/** True if 200 states along the edge are free, exactly. */
+/** Whether 200 states along the edge are free by the exact judge. */
 bool isFreeAlong(ArmCollision* exact, const JointArray& a, const JointArray& b) {
   constexpr int kSteps = 200;
   for (int i = 0; i <= kSteps; ++i) {
@@ -220,7 +220,7 @@ TEST(ArmClearance, AnEdgeCalledFreeIsFreeAllAlong) {
     }
     EXPECT_GE(called_free, 0.95 * exactly_free) << name(arm);
     EXPECT_GT(called_free, 30) << name(arm);
-    EXPECT_LT(exactly_free, 150) << name(arm) << ": no edge was blocked";
+    EXPECT_LT(exactly_free, 150) << name(arm) << ": some edges must be blocked";
   }
 }
 

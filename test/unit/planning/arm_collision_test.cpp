@@ -19,7 +19,7 @@ class ArmCollisionTest : public ::testing::Test {
   /** Wrist of the gold arm at home, in W: the middle of the lower cap of its shaft capsule. */
   Vector3 wrist() const {
     const Pose X_BT = kinematics::forward(raven_.arms.geometry, Arm::kGold, home_);
-    const Vector3 shaft_B = -X_BT.p.normalized();  // nearly: the tip is 13 mm off the shaft's axis at most
+    const Vector3 shaft_B = -X_BT.p.normalized();  // approximately: the tip is at most 13 mm off the shaft's axis
     return at(raven_.X_WB, Arm::kGold) * Vector3(X_BT.p + 0.013 * shaft_B);
   }
 
@@ -59,7 +59,7 @@ TEST_F(ArmCollisionTest, TouchesWhatStandsInItsWay) {
 }
 
 TEST_F(ArmCollisionTest, JudgesTheClearanceFromTheSurface) {
-  // GIVEN a ball beside the shaft, 60 mm above the wrist where nothing else of the arm is
+  // GIVEN a ball next to the shaft, 60 mm above the wrist, where no other part of the arm is
   const Pose X_BT = kinematics::forward(raven_.arms.geometry, Arm::kGold, home_);
   std::vector<double> positions(raven_.description.links.size());
   std::vector<Pose> poses(raven_.description.links.size());
@@ -70,14 +70,14 @@ TEST_F(ArmCollisionTest, JudgesTheClearanceFromTheSurface) {
   for (const double gap : {-0.0001, 0.0001, 0.0019, 0.0021}) {
     const Vector3 centre = shaft * Vector3(radius + ball + gap, 0.0, 0.060);
     const model::SceneModel scene = test::scene({test::sphere(ball, {Matrix3::Identity(), centre})});
-    // THEN nearer than 2 mm counts as touching, and without a clearance only what overlaps does
+    // THEN less than 2 mm counts as touching; without a clearance only an overlap does
     EXPECT_EQ(touches(scene, home_, 0.002), gap < 0.002) << gap;
     EXPECT_EQ(touches(scene, home_, 0.0), gap < 0.0) << gap;
   }
 }
 
 TEST_F(ArmCollisionTest, MeasuresTheDistanceToTheSurface) {
-  // GIVEN the shaft alone: a ball, a box with a face towards it, and one whose edge is nearest
+  // GIVEN the shaft, and a ball, a box with a face towards the shaft, or a box whose edge is nearest
   std::vector<double> positions(raven_.description.links.size());
   std::vector<Pose> poses(raven_.description.links.size());
   raven_.linkPosesInWorld({home_, home_}, &positions, &poses);
@@ -93,7 +93,7 @@ TEST_F(ArmCollisionTest, MeasuresTheDistanceToTheSurface) {
     ArmCollision arm(raven_, obstacles, Arm::kGold, 0.0);
     arm.placeOther(home_);
     EXPECT_NEAR(arm.distance(home_, 1.0), 0.007, 1e-5) << static_cast<int>(shape.kind);
-    EXPECT_EQ(arm.distance(home_, 0.002), 0.002) << "no more is asked";
+    EXPECT_EQ(arm.distance(home_, 0.002), 0.002) << "the distance is capped at the given limit";
   }
 }
 
@@ -140,8 +140,8 @@ TEST_F(ArmCollisionTest, TouchesTheOtherArm) {
 }
 
 TEST_F(ArmCollisionTest, TouchesItself) {
-  // GIVEN a robot that carries a ball on link 2 (before the insertion), 30 mm beside the shaft's axis, which the bent
-  // jaws reach when the tool is withdrawn to it
+  // GIVEN a robot that carries a ball on link 2 (before the insertion), 30 mm from the shaft's axis. The bent jaws
+  // reach the ball when the tool is withdrawn to it.
   model::RavenModel raven = test::raven();
   std::vector<double> positions(raven.description.links.size());
   std::vector<Pose> poses(raven.description.links.size());
@@ -161,7 +161,7 @@ TEST_F(ArmCollisionTest, TouchesItself) {
 }
 
 TEST_F(ArmCollisionTest, ItsDistanceToItselfIsThatOfThePoseAsked) {
-  // GIVEN the robot of TouchesItself, asked for its distance alone, first here and then there
+  // GIVEN the robot of TouchesItself, asked only for its distance, in one pose and then in another
   model::RavenModel raven = test::raven();
   std::vector<double> positions(raven.description.links.size());
   std::vector<Pose> poses(raven.description.links.size());
@@ -182,7 +182,7 @@ TEST_F(ArmCollisionTest, ItsDistanceToItselfIsThatOfThePoseAsked) {
   EXPECT_EQ(arm.distance(bent, 0.05), 0.0);
 }
 
-/** A turned box, grown, and where its corners are then. */
+/** Compares a rotated and grown box with the places of its corners. */
 TEST(BodyCorners, AGrownBoxReachesToItsCorners) {
   Random random(15);
   for (int trial = 0; trial < 300; ++trial) {
@@ -200,7 +200,7 @@ TEST(BodyCorners, AGrownBoxReachesToItsCorners) {
       clear.place({Matrix3::Identity(), X * Vector3(p + (ball + 1e-4) * sign.normalized())});
       EXPECT_TRUE(box.overlaps(touching) && touching.overlaps(box)) << trial << " " << corner;
       EXPECT_FALSE(box.overlaps(clear)) << trial << " " << corner;
-      EXPECT_LE(box.gap(touching), 0.0) << "a lower bound of the distance";
+      EXPECT_LE(box.gap(touching), 0.0) << "the gap is a lower bound of the distance";
     }
   }
 }

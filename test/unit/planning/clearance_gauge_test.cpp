@@ -12,7 +12,7 @@
 namespace raven2_trainer::planning {
 namespace {
 
-/** Gold arm under the lid behind the left wire: close quarters. */
+/** Gold arm under the lid behind the left wire: a narrow place. */
 constexpr JointArray kInsideTheDome{0.78, 1.62, 0.335, 0.06, -0.015, kPi / 4, kPi / 4};
 
 JointArray somewhere(const ArmGeometry& g, int i, Random* random) {
@@ -35,7 +35,7 @@ TEST(ClearanceGauge, IsZeroExactlyWhereFclFindsATouch) {
       const bool touches = judge.touches(q);
       const double distance = gauge.measure(arm, q, other);
       touching += touches ? 1 : 0;
-      // FCL's iteration ends within 1e-6 of the answer.
+      // FCL's iteration ends within 1e-6 of the exact distance.
       differing += touches ? distance > 2e-6 : distance <= 0.0;
     }
     EXPECT_EQ(differing, 0) << name(arm);
@@ -44,8 +44,8 @@ TEST(ClearanceGauge, IsZeroExactlyWhereFclFindsATouch) {
   }
 }
 
-/** FCL on shapes grown by a length touches exactly where the distance is less; but a box grown by its faces reaches up
- *  to sqrt(3) times as far at its corners, and only one shape of a pair is grown. */
+/** FCL on shapes grown by a length touches exactly where the distance is less than that length. But a box grown by its
+ *  faces reaches up to sqrt(3) times as far at its corners, and only one shape of a pair is grown. */
 TEST(ClearanceGauge, TellsTheDistanceThatGrownShapesTouchAt) {
   const model::RavenModel& raven = test::trainer().raven;
   const ArmGeometry& g = raven.arms.geometry;

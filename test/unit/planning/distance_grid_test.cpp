@@ -33,7 +33,7 @@ double referenceDistance(const model::Description& d,
   return nearest;
 }
 
-/** Distance to the scene but for its free bodies, and to the bases of both arms. */
+/** Distance to the scene without its free bodies, and to the bases of both arms. */
 double referenceDistance(const model::RavenModel& raven, const model::SceneModel& scene, const Vector3& p) {
   double nearest = 1e9;
   for (std::size_t i = 0; i < scene.description.links.size(); ++i) {
@@ -86,8 +86,8 @@ TEST_F(ShippedGrid, BoundsTheDistanceEverywhereAndByNoMoreThanItSays) {
 }
 
 TEST_F(ShippedGrid, IsTightWhereToolsPassByAtTheirRadius) {
-  // The shaft's radius and clearance: 6 mm. By the header's formula
-  // sigma^2 / 2d is lost there, of sigma^2 = h^2 / 2 on average: 0.38 mm.
+  // The shaft's radius and clearance: 6 mm. By the header's formula the bound loses sigma^2 / 2d there. With
+  // sigma^2 = h^2 / 2 on average that is 0.38 mm.
   Random random(2);
   double lost = 0.0;
   int count = 0;
@@ -110,7 +110,7 @@ TEST_F(ShippedGrid, IsGivenUpWhereverItsMakingIsToldTo) {
   struct Enough {};
   std::size_t polls = 0;
   const DistanceGrid polled(test::trainer().raven, test::trainer().scene, [&polls] { ++polls; });
-  EXPECT_EQ(polls, polled.nodeCount() / EverySoOften::kPieces) << "all along";
+  EXPECT_EQ(polls, polled.nodeCount() / EverySoOften::kPieces) << "the construction polls all the time";
   for (const std::size_t last : {std::size_t{1}, polls / 2, polls}) {
     std::size_t asked = 0;
     const auto enough = [&] {
@@ -130,7 +130,7 @@ TEST(DistanceGridTest, LeavesFreeBodiesOut) {
 }
 
 TEST(DistanceGridTest, BoundsTheDistanceOfOneTurnedShapeFromEverySide) {
-  // GIVEN one shape alone: beyond the lattices, what is known is the box about it
+  // GIVEN one shape alone: beyond the lattices only its bounding box is known
   const model::RavenModel raven = test::raven();
   Random random(3);
   int beyond = 0;
@@ -149,7 +149,7 @@ TEST(DistanceGridTest, BoundsTheDistanceOfOneTurnedShapeFromEverySide) {
       ASSERT_LE(grid.quick(p).lower, truth + kRounding) << trial;
       if (grid.cellAt(p) > 0.0) continue;
       ++beyond;
-      // A turned box fills its box by no less than that: each of its edges is no longer than the diagonal of the shape.
+      // A rotated box loses no more than that to its bounding box: no edge is longer than the shape's diagonal.
       ASSERT_GE(grid.tight(p).lower, truth - 0.5 * std::sqrt(3.0) * (shape.size.norm() + 2 * shape.size.x())) << trial;
     }
   }
@@ -157,7 +157,7 @@ TEST(DistanceGridTest, BoundsTheDistanceOfOneTurnedShapeFromEverySide) {
 }
 
 TEST(DistanceGridTest, BeyondItsLatticesTheDistanceIsThatToTheBoxOnEverySide) {
-  // GIVEN a box along the axes, so that the box about everything is the box itself
+  // GIVEN a box along the axes, so that the bounding box is the box itself
   const model::CollisionShape shape = test::box({0.04, 0.06, 0.08}, {Matrix3::Identity(), {0.1, 0.2, 0.3}});
   const DistanceGrid grid(test::raven(), test::scene({shape}));
   for (int axis = 0; axis < 3; ++axis) {

@@ -61,7 +61,7 @@ bool isOutsideWallThroughout(const Path& path) {
   for (std::size_t i = 1; i < path.size(); ++i) {
     for (int k = 0; k <= 1000; ++k) {
       const UnitState x = interpolate(path[i - 1], path[i], k / 1000.0);
-      // A corner may be cut by what lies between two checks, 0.002 apart.
+      // Between two checks, 0.002 apart, a path may cut a corner.
       if (std::abs(x[0] - 0.5) < 0.049 && x[1] < 0.799) return false;
     }
   }
@@ -84,7 +84,7 @@ TEST(FmtStar, FindsTheGapInAWall) {
     ASSERT_GE(outcome.path.size(), 3u);
     EXPECT_EQ(outcome.path.front(), order.task.start);
     EXPECT_EQ(outcome.path.back(), order.task.goal);
-    // The shortest way passes the two corners of the gap: sqrt(0.25^2 + 0.3^2) twice and the wall's thickness.
+    // The shortest path passes the two corners of the gap: sqrt(0.25^2 + 0.3^2) twice and the wall's thickness.
     EXPECT_GE(length(outcome.path), 2 * std::hypot(0.25, 0.3) + 0.1);
     EXPECT_TRUE(isOutsideWallThroughout(outcome.path)) << "seed " << order.task.seed;
   }
@@ -104,7 +104,7 @@ TEST(FmtStar, TheCostFallsWithTheSamples) {
 }
 
 TEST(FmtStar, NeighboursAreNearInSpaceWhateverTheCost) {
-  // GIVEN a cost a thousand times the length: in units of cost nothing at all is within the radius
+  // GIVEN a cost a thousand times the length: measured by cost, nothing is within the radius
   SearchOrder order = orderFor(outsideWall);
   const Path by_length = searchPath(order).path;
   order.task.cost = cost({1024.0, 0.0, 0.0, 1.0});
@@ -113,7 +113,7 @@ TEST(FmtStar, NeighboursAreNearInSpaceWhateverTheCost) {
 }
 
 TEST(FmtStar, TakesAnyObjectiveOfOmpl) {
-  // GIVEN OMPL's own path length instead of ours THEN the path is that of the same cost by our own objective
+  // GIVEN OMPL's own path length instead of ours THEN the path has the same cost as by our own objective
   SearchOrder order = orderFor(outsideWall);
   PlanningProblem problem(order.task);
   problem.definition()->setOptimizationObjective(
@@ -123,7 +123,7 @@ TEST(FmtStar, TakesAnyObjectiveOfOmpl) {
   planner.setup();
   EXPECT_EQ(planner.solve(ob::plannerNonTerminatingCondition()), ob::PlannerStatus::EXACT_SOLUTION);
   EXPECT_NEAR(length(readPath(*problem.definition())), length(searchPath(order).path), 1e-12);
-  // AND the tree can be looked at, and thrown away
+  // AND the tree can be read and cleared
   ob::PlannerData data(problem.space());
   planner.getPlannerData(data);
   EXPECT_GT(data.numEdges(), 10u);
@@ -151,7 +151,7 @@ TEST(PlanningProblemEdges, OneThatIsBlockedIsBlockedBothWaysAndNoOther) {
   EXPECT_TRUE(isFree(2, 1));
 }
 
-/** FMT* without a thought for speed: all costs exact, no memory, no order but cost so far plus length to go. */
+/** FMT* without optimizations: all costs exact, no memory, ordered by cost so far plus length to go. */
 Path plainFmt(const SearchOrder& order, const std::vector<UnitState>& points, double radius) {
   const auto exact = [&](std::size_t a, std::size_t b) {
     return order.task.cost->plain(points[a], points[b]) +
@@ -205,7 +205,7 @@ Path plainFmt(const SearchOrder& order, const std::vector<UnitState>& points, do
 }
 
 TEST(FmtStar, FindsWhatThePlainAlgorithmFinds) {
-  // GIVEN the same samples, and eq. (1) with both terms
+  // GIVEN the same samples, and both terms of eq. (1)
   SearchOrder order = orderFor(outsideWall);
   order.task.cost = cost({0.1, 0.5, 0.0, 1.0});
   order.settings.samples = order.settings.max_samples = 150;
@@ -216,7 +216,7 @@ TEST(FmtStar, FindsWhatThePlainAlgorithmFinds) {
       return outsideWall(x);
     };
     const Path found = searchPath(order).path;
-    ASSERT_EQ(points.size(), 152u) << "start, goal, and the samples";
+    ASSERT_EQ(points.size(), 152u) << "the points are start, goal and the samples";
     const Path expected = plainFmt(order, points, fmtRadius(1.0, 1.4, 150));
     ASSERT_FALSE(expected.empty());
     // THEN the lazy search gives the same path
@@ -224,13 +224,13 @@ TEST(FmtStar, FindsWhatThePlainAlgorithmFinds) {
   }
 }
 
-/** A distance that changes all over the cube, [0, 40] mm. */
+/** A distance that varies over the whole cube, [0, 40] mm. */
 double wavyDistance(const UnitState& x, double cap) {
   return std::min(cap, 0.02 + 0.02 * std::sin(9.0 * x[0] + 7.0 * x[1] - 5.0 * x[2] + 3.0 * x[3]));
 }
 
 TEST(FmtStar, FindsWhatThePlainAlgorithmFindsWhereTheClearanceCounts) {
-  // GIVEN nothing in the way, but a clearance term for which ways round are worth while
+  // GIVEN no obstacle, but a clearance term that makes detours worth while
   SearchOrder order = orderFor(nothingInTheWay);
   order.task.start = {0.1, 0.2, 0.1, 0.2, 0.5, 0.5};
   order.task.goal = {0.9, 0.8, 0.9, 0.8, 0.5, 0.5};  // farther than the radius
@@ -244,14 +244,14 @@ TEST(FmtStar, FindsWhatThePlainAlgorithmFindsWhereTheClearanceCounts) {
     };
     const SearchOutcome found = searchPath(order);
     ASSERT_EQ(points.size(), 152u);
-    // THEN the terms that were followed only as far as they decide lead to the path of the full costs
+    // THEN terms that are integrated only as far as they decide give the same path as the full costs
     EXPECT_EQ(found.path, plainFmt(order, points, fmtRadius(1.0, 1.4, 150))) << "seed " << order.task.seed;
     EXPECT_GT(found.path.size(), 2u);
     EXPECT_GT(found.counts.clearance_integrals, 0u);
   }
 }
 
-/** The same cost in one piece: nothing of it can be left out. */
+/** The same cost in one piece, so that no part of it can be left out. */
 class WholeCost : public ob::OptimizationObjective {
  public:
   WholeCost(const ob::SpaceInformationPtr& si, ob::OptimizationObjectivePtr of)
@@ -267,7 +267,7 @@ class WholeCost : public ob::OptimizationObjective {
 };
 
 TEST(FmtStar, WhatWasNotFollowedToItsEndIsTakenUpWhenPathsAreRefused) {
-  // GIVEN a judge that refuses forty paths, so that edges once dismissed are wanted after all
+  // GIVEN a judge that refuses forty paths, so that the search needs edges that it had dismissed
   SearchOrder order = orderFor(nothingInTheWay);
   order.task.start = {0.1, 0.2, 0.1, 0.2, 0.5, 0.5};
   order.task.goal = {0.9, 0.8, 0.9, 0.8, 0.5, 0.5};
@@ -314,7 +314,7 @@ TEST(FmtStar, EndsWithoutAPathBehindAWholeWallHoweverManySamplesItAdds) {
 }
 
 TEST(FmtStar, AddsSamplesToTheSameTreeWhereTooFewWereTaken) {
-  // GIVEN a gap that few samples of ten leave a way through
+  // GIVEN a gap that few samples find
   SearchOrder order = orderFor([](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.05 || x[1] > 0.9; });
   order.settings.samples = 20;
   int failed = 0, helped = 0;
@@ -331,7 +331,7 @@ TEST(FmtStar, AddsSamplesToTheSameTreeWhereTooFewWereTaken) {
 }
 
 TEST(FmtStar, SurvivesAnInvalidGoalOrStart) {
-  // OMPL 1.5.2 takes the process with it on an invalid goal.
+  // OMPL 1.5.2 ends the process on an invalid goal.
   SearchOrder order = orderFor([](const UnitState& x) { return x[0] < 0.7; });
   EXPECT_EQ(searchPath(order).status, PlanStatus::kGoalInCollision);
   order = orderFor([](const UnitState& x) { return x[0] > 0.3; });
@@ -372,13 +372,14 @@ TEST(FmtStar, GoesOnFromTheTreeAsItStandsWhenAPathIsRefused) {
   std::vector<Path> refused;
   order.judge = [&](const Path& path) -> PathVerdict {
     for (const Path& before : refused)
-      EXPECT_FALSE(hasEdge(path, before[before.size() - 2], before.back())) << "shown again";
+      EXPECT_FALSE(hasEdge(path, before[before.size() - 2], before.back()))
+          << "an edge that the judge refused comes again";
     if (refused.size() == 5) return {};
     refused.push_back(path);
     return {false, path.size() - 2};
   };
   const SearchOutcome outcome = searchPath(order);
-  // THEN another path comes without a sample more, and with a small part of the work of five searches
+  // THEN another path is found without more samples, and with much less work than five searches
   ASSERT_EQ(outcome.status, PlanStatus::kSuccess);
   EXPECT_EQ(outcome.fmt.refusals, 5u);
   EXPECT_EQ(outcome.fmt.samples, 1000u);
@@ -388,7 +389,7 @@ TEST(FmtStar, GoesOnFromTheTreeAsItStandsWhenAPathIsRefused) {
 }
 
 TEST(FmtStar, CutsOffWhatHangsOnARefusedEdgeAndFindsItAnotherParent) {
-  // GIVEN a judge that refuses the first edge of each path, from which most of the tree hangs
+  // GIVEN a judge that refuses the first edge of each path, on which most of the tree depends
   SearchOrder order = orderFor(outsideWall);
   int refusals = 0;
   order.judge = [&](const Path&) -> PathVerdict { return {++refusals > 8, 0}; };
@@ -411,7 +412,7 @@ TEST(OmplPlanners, SolveTheSameProblem) {
   for (const char* planner : kPlannerNames) {
     SearchOrder order = orderFor(outsideWall);
     order.planner = planner;
-    order.settings.samples = 20000;  // draws, that is; but of the two that take that many samples to begin with
+    order.settings.samples = 20000;  // draws; the two FMT planners take all their samples at the start
     if (order.planner == "FMTstar" || order.planner == "FMT") order.settings.samples = 500;
     order.stops_on_draws = true;
     const SearchOutcome outcome = searchPath(order);
@@ -425,7 +426,7 @@ TEST(OmplPlanners, SolveTheSameProblem) {
 
 TEST(OmplPlanners, GiveTheSamePathForTheSameSeed) {
   for (const char* planner : kPlannerNames) {
-    if (std::string(planner) == "PRMstar") continue;  // has a thread of its own
+    if (std::string(planner) == "PRMstar") continue;  // runs a thread
     SearchOrder order = orderFor(outsideWall);
     order.planner = planner;
     order.settings.samples = std::string(planner).find("FMT") == 0 ? 500 : 20000;
@@ -486,7 +487,7 @@ TEST(EdgeCheck, VisitsBothEndsAndEveryStepOnce) {
     EXPECT_NEAR(static_cast<double>(visited.size()), static_cast<double>(steps + 1), 1.0);
     for (std::size_t i = 1; i < visited.size(); ++i) {
       EXPECT_LE(visited[i] - visited[i - 1], 0.01 + 1e-12);
-      EXPECT_TRUE(edge_length == 0.0 || visited[i] - visited[i - 1] > 1e-6) << "visited twice";
+      EXPECT_TRUE(edge_length == 0.0 || visited[i] - visited[i - 1] > 1e-6) << "no place is visited twice";
     }
   }
 }

@@ -12,9 +12,9 @@
 #include "raven2_trainer/planning/path_planner.h"
 #include "support/effort.h"
 
-// Every path that the planner returns, followed by the live model's own physics at half its step, scene and both arms
-// in one ODE world, and judged twice at every tick: by FCL, and by ODE's own contacts. The control law is written out
-// here. Nothing of src/planning/roll_out.cpp takes part.
+// Tests every path that the planner returns. The live model's own physics follow it at half their step, with the scene
+// and both arms in one ODE world. FCL and ODE's own contacts judge every tick. The control law is written out here:
+// nothing of src/planning/roll_out.cpp takes part.
 
 namespace raven2_trainer::planning {
 namespace {
@@ -41,7 +41,7 @@ Arm otherOf(Arm arm) {
   return arm == Arm::kGold ? Arm::kGreen : Arm::kGold;
 }
 
-/** Joints drawn uniformly until nothing is touched with the planner's clearance. */
+/** Draws joints uniformly until the arm keeps the planner's clearance. */
 JointArray randomFree(const PathPlanner& planner, Arm arm, const JointArray& other, Random* random) {
   const JointSpace space(geometry(), kPi / 2);
   for (;;) {
@@ -53,8 +53,8 @@ JointArray randomFree(const PathPlanner& planner, Arm arm, const JointArray& oth
   }
 }
 
-/** A free start, and another free state or its tip as the goal; either arm. The other one stands at home, or in every
- *  third problem where it is free with this arm at home. */
+/** A free start and another free state, or its tip, as the goal; for either arm. The other arm is at home. In every
+ *  third problem it is at a random place that is free with this arm at home. */
 PlanRequest randomProblem(const PathPlanner& planner, std::uint64_t seed) {
   Random random(seed, 77);
   PlanRequest request;
@@ -70,7 +70,7 @@ PlanRequest randomProblem(const PathPlanner& planner, std::uint64_t seed) {
   return request;
 }
 
-/** Where the path wants the joints, and how fast: 10 s^3 - 15 s^4 + 6 s^5 on each edge. */
+/** Positions and rates of the joints on the path: 10 s^3 - 15 s^4 + 6 s^5 on each edge. */
 void targetAt(const PlanResult& plan, double t, JointArray* q, JointArray* dq) {
   std::size_t edge = 0;
   while (edge + 1 < plan.waypoint_count && t >= plan.arrival[edge + 1])
@@ -86,7 +86,7 @@ void targetAt(const PlanResult& plan, double t, JointArray* q, JointArray* dq) {
   }
 }
 
-/** PD on both errors, PID of the insertion, viscous friction and gravity in advance, bounded (doc/model.md). */
+/** Bounded PD law, PID for the insertion, with feed-forward of viscous friction and gravity (doc/model.md). */
 class Law {
  public:
   explicit Law(Arm arm) : gains_(trainer().config.model.gains) {
@@ -103,7 +103,7 @@ class Law {
       const JointGains& g = gains_[j];
       const double friction = trainer().config.model.viscous_friction[j] * dq_d[j];
       const double damping = g.kd * (dq_d[j] - dq[j]);
-      // the integral is that of the error from what leads the target, as in the model's law
+      // The integral is over the error from the leading target, as in the model's law.
       const double lead = g.kp > 0.0 ? (g.kd + trainer().config.model.viscous_friction[j]) / g.kp * dq_d[j] : 0.0;
       const double grown = integral_[j] + g.ki * (q_d[j] + lead - q[j]) * kTickSeconds;
       const double wanted = gravity[j] + g.kp * (q_d[j] - q[j]) + damping + friction + grown;
@@ -120,7 +120,7 @@ class Law {
 
 struct Followed {
   int fcl_contacts{0}, ode_contacts{0};  ///< ticks
-  double astray{0.0};                    ///< [m] tip from its place on the path, greatest
+  double astray{0.0};                    ///< [m] largest distance of the tip from its place on the path
 };
 
 Followed follow(const PlanResult& plan, const JointArray& other) {
@@ -182,8 +182,8 @@ TEST(FollowedPaths, NoPathThatIsReturnedTouchesAnything) {
   RecordProperty("worst_tracking_error_um", std::to_string(1e6 * astray));
   RecordProperty("beside_home", beside_home);
   RecordProperty("beside_others", beside_others);
-  EXPECT_GT(3 * returned, static_cast<int>(problems)) << "too few paths to say anything";
-  EXPECT_GT(3 * beside_others, static_cast<int>(problems) / 3) << "too few beside an arm that stands anywhere";
+  EXPECT_GT(3 * returned, static_cast<int>(problems)) << "too few paths for a conclusion";
+  EXPECT_GT(3 * beside_others, static_cast<int>(problems) / 3) << "too few paths with the other arm away from home";
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ TEST(FreeVolume, IsThatOfShapesKnownInClosedForm) {
     const double deviation = std::sqrt(c.truth * (1 - c.truth) / n);
     const FreeVolume volume = estimateFreeVolume(c.is_free, n, 7, 0.95);
     EXPECT_NEAR(volume.mean, c.truth, 4 * deviation);
-    // The normal approximation of the bound, 1.645 deviations; near enough with thousands of hits.
+    // The bound's normal approximation, 1.645 deviations, is close enough with thousands of hits.
     EXPECT_NEAR(volume.upper - volume.mean, 1.645 * deviation, 0.1 * deviation);
   }
 }
@@ -48,7 +48,7 @@ TEST(FreeVolume, TheBoundHoldsAsOftenAsItSays) {
   for (std::uint64_t seed = 0; seed < kRuns; ++seed)
     held += estimateFreeVolume(inBall, 100, seed, 0.9).upper >= kBall ? 1 : 0;
   EXPECT_GE(held, 0.9 * kRuns - 3 * std::sqrt(0.09 * kRuns));
-  EXPECT_LT(held, kRuns);  // it is a bound of some confidence, not of all
+  EXPECT_LT(held, kRuns);  // a bound of limited confidence must fail at times
 }
 
 TEST(FreeVolume, SameSeedSameAnswer) {
@@ -70,7 +70,7 @@ TEST(UpperBound, ClosedFormsAndTables) {
 }
 
 TEST(UpperBound, SoFewHitsAreAsRareAsItSays) {
-  // The binomial sum for 13 of 50, term by term from the other end.
+  // The binomial sum for 13 of 50, term by term, starting at zero hits.
   const double p = upperBound(13, 50, 0.99);
   double term = std::pow(1 - p, 50), sum = 0.0;
   for (int i = 0; i <= 13; ++i) {

@@ -7,7 +7,7 @@
 #include "raven2_trainer/planning/path_planner.h"
 #include "support/effort.h"
 
-// The shipped robot, scene and configuration: from deep inside the dome out to the ring (paper, 3.3).
+// Tests plans with the shipped robot, scene and configuration, from deep inside the dome to the ring (paper, 3.3).
 
 namespace raven2_trainer::planning {
 namespace {
@@ -41,7 +41,7 @@ Vector3 tip(Arm arm, const JointArray& q) {
   return at(trainer().raven.X_WB, arm) * kinematics::forward(geometry(), arm, q).p;
 }
 
-/** True if an edge touches nothing, clearance left aside, at a tenth of the planner's step. */
+/** Whether an edge touches nothing, without the clearance, at a tenth of the planner's step. */
 bool isFreeOnCloseLook(const PathPlanner& judge, const PlanRequest& request, const JointArray& a, const JointArray& b) {
   const JointSpace space(geometry(), kinematics::jawOpening(a));
   const UnitState from = space.toUnit(a), to = space.toUnit(b);
@@ -53,7 +53,7 @@ bool isFreeOnCloseLook(const PathPlanner& judge, const PlanRequest& request, con
   return true;
 }
 
-/** Length in the cube on which a path is nearer than 8 mm to anything, by FCL. */
+/** Length in the cube over which a path is nearer than 8 mm to any object, by FCL. */
 double nearness(const PlanResult& plan) {
   static const SceneObstacles obstacles(trainer().scene);
   ArmCollision grown(trainer().raven, obstacles, Arm::kGold, 0.008);
@@ -90,8 +90,8 @@ TEST(FrsScene, EverySeedFindsTheWayToTheRing) {
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const PlanResult result = planner.plan(request, seed, true, kGoOn);
     ASSERT_EQ(result.status, PlanStatus::kSuccess) << "seed " << seed;
-    EXPECT_GT(result.waypoint_count, 2u) << "something stands in the straight way";
-    EXPECT_GT(result.clearance, 0.0) << "followed by the dynamics, seed " << seed;
+    EXPECT_GT(result.waypoint_count, 2u) << "an obstacle blocks the straight path";
+    EXPECT_GT(result.clearance, 0.0) << "the dynamics follow the path, seed " << seed;
     EXPECT_GT(result.tracking_error, 0.0);
     EXPECT_LT(result.tracking_error, 0.015);
     const JointArray& last = result.waypoints[result.waypoint_count - 1];
@@ -102,7 +102,7 @@ TEST(FrsScene, EverySeedFindsTheWayToTheRing) {
 }
 
 TEST(FrsScene, PathsThatTheArmDoesNotFollowAreRefusedForThatReason) {
-  // GIVEN that the tip may leave its path by a tenth of a millimetre, which no arm keeps
+  // GIVEN a tip that may leave its path by 0.1 mm only, which no arm achieves
   PlannerConfig few = trainer().config.planner;
   few.max_rollouts = 3;
   few.max_tracking_error = 1e-4;
@@ -110,7 +110,7 @@ TEST(FrsScene, PathsThatTheArmDoesNotFollowAreRefusedForThatReason) {
   PathPlanner planner(trainer().raven, trainer().scene, few, trainer().config.model);
   PlanStatistics statistics;
   const PlanResult result = planner.plan(insideTheDome(), 1, true, kGoOn, defaultOptions(few), &statistics);
-  // THEN no path is returned, and the reason is neither the start nor the search
+  // THEN no path is returned, and the reason is the dynamics, neither the start nor the search
   EXPECT_EQ(result.status, PlanStatus::kDynamicsInfeasible);
   EXPECT_EQ(result.waypoint_count, 0u);
   EXPECT_GE(statistics.failed_rollouts, 3u);
@@ -139,7 +139,7 @@ TEST(FrsScene, TheClearanceTermKeepsPathsAwayFromThings) {
     options.eta_clearance = 1.0;
     const PlanResult wide = planner.plan(insideTheDome(), seed, true, kGoOn, options, &statistics);
     ASSERT_EQ(wide.status, PlanStatus::kSuccess);
-    EXPECT_GT(statistics.clearance_cost, 0.0) << "it starts 2.5 mm from things";
+    EXPECT_GT(statistics.clearance_cost, 0.0) << "the path starts 2.5 mm from obstacles";
     EXPECT_GT(statistics.clearance_integrals, 0u);
     options.eta_clearance = 0.0;
     const PlanResult narrow = planner.plan(insideTheDome(), seed, true, kGoOn, options, &statistics);

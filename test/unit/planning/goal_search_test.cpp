@@ -23,7 +23,7 @@ TEST(GoalSearch, TakesTheNearestFreeCandidate) {
   const GoalChoice nearest = find([](const UnitState&) { return true; }, [] { return false; });
   ASSERT_EQ(nearest.status, PlanStatus::kSuccess);
   const UnitState start = JointSpace(test::geometry(), kinematics::jawOpening(kHome)).toUnit(kHome);
-  EXPECT_LT(distance(nearest.goal, start), 1e-6) << "the tip is there already";
+  EXPECT_LT(distance(nearest.goal, start), 1e-6) << "the tip is already at the goal";
 }
 
 TEST(GoalSearch, ReachesTheTipsOfRandomJoints) {
@@ -47,7 +47,7 @@ TEST(GoalSearch, ReachesTheTipsOfRandomJoints) {
     }
   }
   EXPECT_LE(1000 * missed, 15 * 2 * tips)
-      << "tips at the very edge, which only some rolls and wrists between those tried reach";
+      << "tips at the very edge, where only rolls and wrists between the tried ones reach";
   RecordProperty(testing::isFull() ? "missed_of_1000" : "missed_of_250", missed);
 }
 
@@ -61,12 +61,12 @@ TEST(GoalSearch, SaysSoWhereNoPoseReaches) {
 }
 
 TEST(GoalSearch, StopsWithinOneCandidateWhereverItIsTold) {
-  // GIVEN candidates that all touch: the whole search asks for each of them
+  // GIVEN candidates that all touch: a complete search tries each of them
   int polls = 0, tries = 0;
   const auto touches = [&](const UnitState&) { return ++tries < 0; };
   ASSERT_EQ(find(touches, [&] { return ++polls < 0; }).status, PlanStatus::kGoalInCollision);
   ASSERT_GT(tries, 10);
-  // WHEN it is told to stop at any of its polls THEN that was its last, but for one at the end, and it has no goal
+  // WHEN one of its polls says stop THEN that poll is the last, except for one at the end, and the search has no goal
   const int all = polls;
   for (int last = 1; last <= all; last += 7) {
     polls = tries = 0;

@@ -9,7 +9,7 @@
 namespace raven2_trainer::planning {
 namespace {
 
-/** Changes by no more than 0.5 with a and by no more than 0.2 with b. */
+/** Changes by at most 0.5 per unit of a and by at most 0.2 per unit of b. */
 double wavy(double a, double b) {
   return 0.5 * std::sin(a) + 0.2 * std::cos(b);
 }

@@ -24,7 +24,7 @@ JointArray nearTo(JointArray q, double reach, Random* random) {
   return q;
 }
 
-/** Points all over the shapes of an arm, in W. */
+/** Points on all shapes of an arm, in W. */
 std::vector<Vector3> pointsOfArm(const model::RavenModel& raven, Arm arm, const JointArray& q) {
   std::vector<double> positions(raven.description.links.size());
   std::vector<Pose> poses(raven.description.links.size());
@@ -33,7 +33,7 @@ std::vector<Vector3> pointsOfArm(const model::RavenModel& raven, Arm arm, const 
   for (const int link : at(raven.links, arm)) {
     const auto i = static_cast<std::size_t>(link);
     for (const model::CollisionShape& shape : raven.description.links[i].collisions) {
-      const double radius = shape.size.x();  // capsules all
+      const double radius = shape.size.x();  // all shapes are capsules
       for (const double end : {-0.5, 0.5}) {
         for (const Vector3& n : {Vector3(1, 0, 0), Vector3(-1, 0, 0), Vector3(0, 1, 0), Vector3(0, -1, 0),
                                  Vector3(0, 0, 2 * end), Vector3(0.6, 0.8, 0.0)})
@@ -63,11 +63,11 @@ TEST(MotionBound, NoPointMovesFarther) {
       }
     }
   }
-  EXPECT_GT(tightest, 0.8) << "a bound of twice that would be of no use";
+  EXPECT_GT(tightest, 0.8) << "the bound must be close to the real motion";
 }
 
 TEST(MotionBound, NothingComesNearerByMore) {
-  // GIVEN a ball in reach and the other arm near: distances among parts of the arm count as well
+  // GIVEN a ball in reach and the other arm near. Distances among parts of the arm count as well.
   const model::RavenModel raven = test::raven();
   const SceneObstacles scene(test::scene({test::sphere(0.02, {Matrix3::Identity(), {0.03, 0.02, 0.03}})}));
   Random random(12);
@@ -94,7 +94,7 @@ model::CollisionShape randomShape(int kind, Random* random) {
   return test::sphere(size() / 2, X);
 }
 
-/** The corners of a box; of a ball about each end of a capsule's axis, some points of its surface. */
+/** The corners of a box, or surface points of the balls at the ends of a capsule's axis. */
 std::vector<Vector3> surfaceOf(const model::CollisionShape& shape) {
   std::vector<Vector3> points;
   for (int i = 0; i < 8; ++i) {
@@ -107,7 +107,7 @@ std::vector<Vector3> surfaceOf(const model::CollisionShape& shape) {
   return points;
 }
 
-/** [m] Farthest that a point of these of a link moves. */
+/** [m] Largest motion of these points of a link. */
 double farthestMotion(const model::RavenModel& raven,
                       int link,
                       const std::vector<Vector3>& points,
@@ -126,7 +126,7 @@ double farthestMotion(const model::RavenModel& raven,
 }
 
 TEST(MotionBound, NoCornerOfAnyShapeMovesFartherAndTheFarthestByNearlyTheBound) {
-  // GIVEN one shape alone on a link of an arm, and one joint that moves a little: the farthest corner goes its chord
+  // GIVEN one shape alone on a link, and one joint that moves a little: the farthest corner moves by its chord
   Random random(14);
   for (const Arm arm : kArms) {
     for (int trial = 0; trial < 600; ++trial) {
@@ -145,7 +145,7 @@ TEST(MotionBound, NoCornerOfAnyShapeMovesFartherAndTheFarthestByNearlyTheBound) 
         const double moved = farthestMotion(raven, link, surfaceOf(shapes[0]), a, b);
         EXPECT_LE(moved, bound(b) + 1e-12) << trial;
         if (trial % 3 == 0) {
-          EXPECT_GE(moved, 0.999 * bound(b)) << trial << ": a box's corners, each of them a point";
+          EXPECT_GE(moved, 0.999 * bound(b)) << trial << ": the corners of a box are points, so the bound is tight";
         }
       }
     }
@@ -153,7 +153,7 @@ TEST(MotionBound, NoCornerOfAnyShapeMovesFartherAndTheFarthestByNearlyTheBound) 
 }
 
 TEST(MotionBound, OneJointMovesItsFarthestPointByTheBound) {
-  // A slider moves all points by what it slides; a hinge the farthest by its chord, nearly.
+  // A slider moves all points by its own motion. A hinge moves the farthest point by nearly its chord.
   const model::RavenModel raven = test::raven();
   MotionBound bound(raven, Arm::kGold);
   const JointArray home = raven.arms.geometry.home;

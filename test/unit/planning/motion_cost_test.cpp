@@ -24,7 +24,7 @@ double bruteForceEffort(const ArmGeometry& geometry, Arm arm, const JointArray& 
       q[j] = a[j] + s * (b[j] - a[j]);
     return kinematics::forward(geometry, arm, q).p;
   };
-  double sum = 0.0;  // the ends are at rest and weigh nothing
+  double sum = 0.0;  // the ends are at rest and add nothing
   for (int i = 1; i < kSteps; ++i)
     sum += ((tip(i + 1) - 2.0 * tip(i) + tip(i - 1)) / (h * h)).squaredNorm() * h;
   return sum;
@@ -45,7 +45,7 @@ TEST(TipEffort, AgreesWithCentralDifferences) {
   for (int i = 0; i < 100; ++i) {
     const Arm arm = kArms[static_cast<std::size_t>(i % 2)];
     const UnitState from = randomUnit(&random);
-    // Edges up to 0.85 in the cube, the radius at n = 500: the longest that FMT* tries
+    // Edges up to 0.85 in the cube: the radius at n = 500, and so the longest that FMT* tries.
     const UnitState far = randomUnit(&random);
     const UnitState to = interpolate(from, far, std::min(1.0, random.uniform(0.02, 0.85) / distance(from, far)));
     const JointArray a = space.toJoints(from), b = space.toJoints(to);
@@ -99,7 +99,7 @@ TEST(MotionCost, TheMidlineMovesNoTip) {
 }
 
 TEST(MotionCost, ItsBoundIsNeverMoreThanTheCostAndOftenMuchOfIt) {
-  // GIVEN the cost by brute force, not by the formula under test
+  // GIVEN the cost computed by brute force, not by the formula under test
   const MotionCost cost = makeCost({0.1, 0.5, 0.0, 1.0});
   const JointSpace space(test::geometry(), 0.5);
   Random random(11);
@@ -119,7 +119,7 @@ TEST(MotionCost, ItsBoundIsNeverMoreThanTheCostAndOftenMuchOfIt) {
 }
 
 TEST(MotionCost, ThePartsOfAPathBoundItFromBelowByLengthAlone) {
-  // What orders the search: no way round, of as many edges as may be, costs less than eta1 x the straight length.
+  // The search orders by this bound: no detour, however many edges it has, costs less than eta1 x the straight length.
   const MotionCost cost = makeCost({0.1, 0.5, 0.0, 1.0});
   Random random(12);
   for (int i = 0; i < 200; ++i) {
@@ -129,19 +129,19 @@ TEST(MotionCost, ThePartsOfAPathBoundItFromBelowByLengthAlone) {
 }
 
 TEST(MotionCost, TheClearanceTermIsTheIntegralOverAKnownDistance) {
-  // GIVEN a wall at x0 = 0.5, the distance to it 0.1 m a unit, nearer than 20 mm counted: from x0 = 0.3 on
+  // GIVEN a wall at x0 = 0.5. The distance to it is 0.1 m a unit, and counts below 20 mm: from x0 = 0.3 on.
   const ClearanceFunction wall = [](const UnitState& x, double cap) { return std::min(cap, 0.1 * (0.5 - x[0])); };
   const MotionCost cost = makeCost({0.1, 0.5, 2.0, 0.02}, wall);
   const UnitState a{0.1, 0.2, 0.5, 0.5, 0.5, 0.5}, b{0.5, 0.5, 0.5, 0.5, 0.5, 0.5};  // 0.5 long, 0.4 of it along x0
   // THEN eta3 x integral over the last half of ((x0 - 0.3) / 0.2)^2 ds = 2 x 0.25 / 3
   EXPECT_NEAR(cost.clearanceTerm(a, b), 2.0 * 0.25 / 3.0, 0.005 * 2.0 * 0.25 / 3.0);
   EXPECT_NEAR(cost.clearanceTerm(b, a), cost.clearanceTerm(a, b), 1e-12);
-  // AND along the wall in touch with it twice the length, far from it nothing
+  // AND the term is twice the length along the wall in contact, and zero far from the wall
   const UnitState c{0.5, 0.1, 0.5, 0.5, 0.5, 0.5}, far{0.1, 0.9, 0.5, 0.5, 0.5, 0.5};
   EXPECT_NEAR(cost.clearanceTerm(b, c), 2.0 * 0.4, 1e-12);
   EXPECT_EQ(cost.clearanceTerm(a, far), 0.0);
   EXPECT_EQ(makeCost({0.1, 0.5, 0.0, 0.02}, wall).clearanceTerm(a, b), 0.0);
-  // AND eq. (1) is as without
+  // AND eq. (1) is the same as without the term
   EXPECT_EQ(cost.plain(a, b), makeCost({0.1, 0.5, 0.0, 1.0}).plain(a, b));
 }
 
@@ -175,7 +175,7 @@ TEST(MotionCost, TheClearanceTermIsFollowedAsFarAsItsLimit) {
     asked = 0;
     const double term = cost.clearanceTerm(a, b);
     all += asked;
-    // A limit that is not reached changes no bit; one that is gives something between it and the term.
+    // A limit above the term changes no bit. A limit below gives a value between the limit and the term.
     for (const double above : {std::nextafter(term, 1e9), 1.001 * term + 1e-9, 1e9})
       EXPECT_EQ(cost.clearanceTerm(a, b, above), term) << i;
     for (const double part : {-1.0, 0.0, 0.1, 0.9, 1.0}) {
@@ -187,7 +187,7 @@ TEST(MotionCost, TheClearanceTermIsFollowedAsFarAsItsLimit) {
     cost.clearanceTerm(a, b, 0.5 * term);
     with_half += asked;
   }
-  EXPECT_LT(with_half, 0.75 * all) << "half of the sum is there half-way, or nearly";
+  EXPECT_LT(with_half, 0.75 * all) << "half of the sum is reached about half-way";
 }
 
 TEST(JointSpace, GoesThereAndBackAtAFixedOpening) {
@@ -209,7 +209,7 @@ TEST(JointSpace, GoesThereAndBackAtAFixedOpening) {
 }
 
 TEST(JointSpace, KeepsBothJawsWithinTheirOwnLimits) {
-  // GIVEN jaws whose limits differ from each other's and from side to side
+  // GIVEN jaws with different limits, which also differ from side to side
   for (const auto& [min1, max1, min2, max2] : {std::array{-1.2, 1.6, -1.6, 1.8}, std::array{-1.8, 1.2, -0.9, 1.5},
                                                std::array{-0.7, 1.8, -1.8, 0.9}, std::array{-0.4, 1.9, -0.5, 1.8}}) {
     ArmGeometry g = test::geometry();
@@ -220,7 +220,7 @@ TEST(JointSpace, KeepsBothJawsWithinTheirOwnLimits) {
     const JointSpace space(g, 0.6);
     for (const double end : {0.0, 1.0}) {
       const JointArray q = space.toJoints({0.5, 0.5, 0.5, 0.5, 0.5, end});
-      double room = 1.0;  // to the nearest of the four limits: at an end of the range one of them is met
+      double room = 1.0;  // to the nearest of the four limits; an end of the range is at a limit
       for (const std::size_t j : {kGrasp1, kGrasp2})
         room = std::min({room, q[j] - g.q_min[j], g.q_max[j] - q[j]});
       EXPECT_NEAR(room, 0.0, 1e-12) << end;
@@ -234,7 +234,7 @@ TEST(JointSpace, KnowsWhatIsOutside) {
   EXPECT_FALSE(space.contains({-0.01, 1, 0.5, 0.5, 0.5, 0.5}, 0.0));
   EXPECT_TRUE(space.contains({-0.01, 1, 0.5, 0.5, 0.5, 0.5}, 0.02));
   EXPECT_FALSE(space.contains({std::nan(""), 1, 0.5, 0.5, 0.5, 0.5}, 0.02));
-  // Jaws opened by more than both can go leave the mid-line no room.
+  // Jaws opened by more than both can reach leave no room for the mid-line.
   EXPECT_FALSE(JointSpace(test::geometry(), 4.0).contains({0.5, 0.5, 0.5, 0.5, 0.5, 0.5}, 0.0));
 }
 

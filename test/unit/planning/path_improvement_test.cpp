@@ -51,7 +51,7 @@ TEST_F(PathImprovement, MakesTheStraightLineWhereNothingIsInTheWay) {
 }
 
 TEST_F(PathImprovement, ComesNearTheShortestWayRoundACorner) {
-  // GIVEN a wall at x0 = 0.5 that ends at x1 = 0.7: the shortest way bends there and nowhere else
+  // GIVEN a wall at x0 = 0.5 that ends at x1 = 0.7: the shortest path bends there and nowhere else
   is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
   ASSERT_TRUE(isFree(zigzag_));
   const double shortest = 2 * std::hypot(0.39, 0.2) + 0.02;
@@ -72,7 +72,7 @@ TEST_F(PathImprovement, LeavesThePathAloneWithoutAttemptsOrWaypoints) {
 }
 
 TEST_F(PathImprovement, StopsWhenToldAndKeepsWhatWasGained) {
-  // GIVEN a wall to bend round, and a word to stop after so many attempts
+  // GIVEN a wall that the path must pass, and a stop after so many attempts
   is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
   const Path whole = improvePath(zigzag_, task_);
   double before = lengthOf(zigzag_);
@@ -81,8 +81,8 @@ TEST_F(PathImprovement, StopsWhenToldAndKeepsWhatWasGained) {
     task_.attempts = 500;
     task_.stop = [&] { return polls++ >= attempts; };
     const Path stopped = improvePath(zigzag_, task_);
-    EXPECT_EQ(polls, attempts + 1) << "asked ahead of every attempt, and no more once it was told";
-    // THEN the path is that of an improvement which was to end there
+    EXPECT_EQ(polls, attempts + 1) << "a poll before each attempt, and none after the stop";
+    // THEN the path is that of an improvement with that many attempts
     task_.attempts = attempts;
     task_.stop = [] { return false; };
     EXPECT_EQ(stopped, improvePath(zigzag_, task_)) << attempts;
@@ -102,11 +102,11 @@ TEST_F(PathImprovement, StoppedAtOnceItChecksNoMoreThanWhatMayBeLeftOut) {
   };
   task_.stop = [] { return true; };
   improvePath(zigzag_, task_);
-  EXPECT_LE(checks, zigzag_.size() - 2) << "one for each waypoint between the ends";
+  EXPECT_LE(checks, zigzag_.size() - 2) << "one check for each waypoint between the ends";
 }
 
 TEST_F(PathImprovement, NoAttemptMakesItDearerOrUnfree) {
-  // GIVEN the corner, and attempt after attempt of the same seed: each path is the one before or a cheaper one
+  // GIVEN the corner, and more and more attempts with one seed: no path is dearer than the one before
   is_free_ = [](const UnitState& x) { return std::abs(x[0] - 0.5) > 0.01 || x[1] > 0.7; };
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     task_.seed = seed;
@@ -122,7 +122,7 @@ TEST_F(PathImprovement, NoAttemptMakesItDearerOrUnfree) {
 }
 
 TEST_F(PathImprovement, StaysInTheCubeThoughTheWayRoundWouldBeShorterOutside) {
-  // GIVEN a wall at x0 = 0.5 that reaches a little beyond one side of the cube and far into it
+  // GIVEN a wall at x0 = 0.5 that reaches a little out of one side of the cube and far into the cube
   for (const bool upper : {false, true}) {
     const auto depth = [upper](const UnitState& x) { return upper ? 1.0 - x[2] : x[2]; };
     is_free_ = [depth](const UnitState& x) {

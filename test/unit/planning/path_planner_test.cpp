@@ -35,7 +35,7 @@ Vector3 tip(const model::RavenModel& raven, Arm arm, const JointArray& q) {
   return at(raven.X_WB, arm) * kinematics::forward(raven.arms.geometry, arm, q).p;
 }
 
-/** Joints between, as the follower plays them. */
+/** Joints between two waypoints, as the follower interpolates them. */
 JointArray between(const JointArray& a, const JointArray& b, double s) {
   JointArray q{};
   for (std::size_t j = 0; j < kJointCount; ++j)
@@ -43,7 +43,7 @@ JointArray between(const JointArray& a, const JointArray& b, double s) {
   return q;
 }
 
-/** CPU time [s] of a running thread: what other programs take from it does not count. */
+/** CPU time [s] of a running thread, which does not include the time of other programs. */
 double cpuSeconds(std::thread* thread) {
   clockid_t clock{};
   timespec time{};
@@ -57,7 +57,7 @@ double ownCpuSeconds() {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/** Forgets the peak that peakMemory() tells; what the process holds now is the new one. */
+/** Resets the peak of peakMemory() to the memory that the process holds now. */
 void resetPeakMemory() {
   std::FILE* file = std::fopen("/proc/self/clear_refs", "w");
   ASSERT_NE(file, nullptr);
@@ -132,7 +132,7 @@ TEST_F(PathPlannerTest, KeepsTheJawOpening) {
 }
 
 TEST_F(PathPlannerTest, EveryEdgeOfEveryPlanIsFreeAtTenTimesTheResolution) {
-  // GIVEN seeded problems across the wall, both arms in turn, judged afterwards for contact at a tenth of the step
+  // GIVEN seeded problems across the wall, both arms in turn, and a check for contact at a tenth of the step
   PlannerConfig bare = config_;
   bare.clearance = 0.0;
   const model::SceneModel scene = wall();
@@ -150,7 +150,7 @@ TEST_F(PathPlannerTest, EveryEdgeOfEveryPlanIsFreeAtTenTimesTheResolution) {
     const PlanResult result = planner.plan(request, static_cast<std::uint64_t>(problem), true, kGoOn);
     if (result.status != PlanStatus::kSuccess) continue;
     ++solved;
-    ASSERT_GT(result.waypoint_count, 2u) << "through the wall";
+    ASSERT_GT(result.waypoint_count, 2u) << "a direct path would cross the wall";
     for (std::size_t i = 1; i < result.waypoint_count; ++i) {
       const JointArray &a = result.waypoints[i - 1], &b = result.waypoints[i];
       const JointSpace space(raven_.arms.geometry, kinematics::jawOpening(a));
@@ -195,7 +195,7 @@ TEST_F(PathPlannerTest, TheSameSeedGivesTheSameBytes) {
   PathPlanner planner(raven_, scene, config_);
   const PlanResult first = planner.plan(overTheWall(), 5, true, kGoOn);
   ASSERT_EQ(first.status, PlanStatus::kSuccess);
-  planner.plan(overTheWall(), 6, true, kGoOn);  // whatever it did before
+  planner.plan(overTheWall(), 6, true, kGoOn);  // a plan before must not matter
   const PlanResult again = planner.plan(overTheWall(), 5, true, kGoOn);
   const PlanResult fresh = plan(scene, overTheWall(), 5);
   EXPECT_EQ(again.waypoints, first.waypoints);
@@ -260,13 +260,13 @@ TEST_F(PathPlannerTest, RefusesAGoalOutOfReach) {
 
 TEST_F(PathPlannerTest, RefusesAGoalInsideAnObstacle) {
   PlanRequest request = overTheWall();
-  request.goal_W = {0.012, 0.055, 0.04};  // in the wall, whatever the orientation
+  request.goal_W = {0.012, 0.055, 0.04};  // in the wall in any orientation
   EXPECT_EQ(plan(wall(), request).status, PlanStatus::kGoalInCollision);
 }
 
 TEST_F(PathPlannerTest, SaysSoWhenThereIsNoWay) {
-  // GIVEN a pit around the remote centre's foot, parted by a wall up to 90 mm, and a tool that cannot be withdrawn
-  // above it: the wrist stays 70 mm or more below the remote centre, and the sides keep the shaft within 45 degrees
+  // GIVEN a pit around the foot of the remote centre, parted by a wall up to 90 mm. The tool cannot be withdrawn above
+  // the wall: the wrist stays 70 mm or more below the remote centre, and the sides keep the shaft within 45 degrees.
   model::RavenModel raven = test::raven();
   raven.arms.geometry.q_max[kInsertion] = 0.40;
   model::SceneModel pit = test::scene({test::box({0.4, 0.004, 0.4}, {Matrix3::Identity(), {0, 0.0143, 0}}),
@@ -276,7 +276,7 @@ TEST_F(PathPlannerTest, SaysSoWhenThereIsNoWay) {
   request.start[kInsertion] = 0.38;
   request.goal_W = {-0.018, 0.065, 0.03};
   ASSERT_EQ(PathPlanner(raven, pit, config_).plan(request, 1, true, kGoOn).status, PlanStatus::kSuccess);
-  // WHEN the wall stands THEN start and goal are as free as before, but no path joins them
+  // WHEN the wall is added THEN start and goal stay free, but no path joins them
   pit.description.links[0].collisions.push_back(middle);
   pit.X_WL[0] = Pose{};
   config_.max_samples = 1500;
@@ -301,7 +301,7 @@ TEST_F(PathPlannerTest, IsCancelledBeforeItBegins) {
 }
 
 TEST_F(PathPlannerTest, IsCancelledOnItsWay) {
-  // GIVEN a plan that would take minutes, WHEN another thread cancels it, THEN it ends (or this test never does)
+  // GIVEN a plan that would take minutes, WHEN another thread cancels it, THEN the plan ends (or the test hangs)
   config_.samples = 100000;
   const model::SceneModel scene = wall();
   PathPlanner planner(raven_, scene, config_);
@@ -330,7 +330,7 @@ PlanRequest insideTheDome() {
   return request;
 }
 
-/** Cancels a plan as soon as `is_time` of its thread. @return [s] of work that it still did. */
+/** Cancels a plan once `is_time` is true for its thread. @return [s] of work after that. */
 template <typename IsTime>
 double workAfterCancel(PathPlanner* planner, const PlanRequest& request, const IsTime& is_time) {
   std::atomic<bool> cancel{false};
@@ -342,14 +342,14 @@ double workAfterCancel(PathPlanner* planner, const PlanRequest& request, const I
   });
   while (!is_time(&worker))
     std::this_thread::yield();
-  cancel = true;  // first: on a busy machine the worker may go on for long between the two
+  cancel = true;  // before the clock is read: on a busy machine the worker may run on for long in between
   const double told = cpuSeconds(&worker);
   worker.join();
   EXPECT_EQ(result.status, PlanStatus::kCancelled);
   return ended - told;
 }
 
-/** After so much work; at once if it is over. */
+/** True after so many seconds of work, or once the thread has ended. */
 auto after(double seconds) {
   return [seconds](std::thread* worker) {
     const double used = cpuSeconds(worker);
@@ -373,13 +373,13 @@ TEST_F(PathPlannerTest, IsCancelledWithinATenthOfASecondInEveryPhase) {
   };
   for (const double at : either({0.0005, 0.005, 0.03, 0.1, 0.6}, {0.0005, 0.002, 0.005, 0.01, 0.03, 0.1, 3.0}))
     expectPrompt(workAfterCancel(&planner, overTheWall(), after(at)), "search after [s]", at);
-  // AND one that prepares first, for a tenth of a second: grid, tables of both arms, roll-outs, free volumes
+  // AND a plan that prepares first, for a tenth of a second: grid, tables of both arms, roll-outs, free volumes
   const test::Trainer& shipped = test::trainer();
   for (const double at : either({0.0, 0.01, 0.03, 0.05}, {0.0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.07})) {
     PathPlanner fresh(shipped.raven, shipped.scene, shipped.config.planner, shipped.config.model);
     expectPrompt(workAfterCancel(&fresh, insideTheDome(), after(at)), "preparation after [s]", at);
   }
-  // AND one of roll-outs without end: no tip keeps its path to a nanometre
+  // AND a plan with endless roll-outs: no tip keeps to its path within a nanometre
   PlannerConfig endless = shipped.config.planner;
   endless.max_tracking_error = 1e-9;
   endless.max_rollouts = 100000;
@@ -453,7 +453,7 @@ TEST_F(PathPlannerTest, RefusesJointsOutsideTheLimitsNotANumberOrInTheWall) {
   request.goal_q = kHome;
   request.goal_q[kGrasp2] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kGoalUnreachable);
-  // Home stands at x = 25 mm, the wall at 12 mm: some elbow on one side of home's puts the tool into it.
+  // Home is at x = 25 mm, the wall at 12 mm. Some elbow angle on one side of home's puts the tool into the wall.
   PlannerConfig bare = config_;
   bare.clearance = 0.0;
   const PathPlanner judge(raven_, scene, bare);
@@ -487,14 +487,14 @@ TEST_F(PathPlannerTest, ChoosesTheArmThatStandsNearerToTheGoal) {
     EXPECT_LT((tip(raven_, Arm::kGreen, right.waypoints[right.waypoint_count - 1]) - toEigen(request.goal_W)).norm(),
               1e-9);
   }
-  // AND where nobody was to choose, the arm that was asked for goes
+  // AND without a choice the requested arm moves
   request.choose_arm = 0;
   request.arm = Arm::kGold;
   EXPECT_EQ(planner.plan(request, 1, true, kGoOn).arm, Arm::kGold);
 }
 
 TEST_F(PathPlannerTest, AnArmThatIsChosenGoesAsIfItHadBeenAsked) {
-  // GIVEN both arms anywhere, jaws opened by different angles, and a goal that the arm which was not asked takes
+  // GIVEN both arms anywhere, jaws opened by different angles, and a goal that is better for the arm not requested
   const model::SceneModel scene = wall();
   PathPlanner planner(raven_, scene, config_);
   Random random(77);
@@ -512,7 +512,7 @@ TEST_F(PathPlannerTest, AnArmThatIsChosenGoesAsIfItHadBeenAsked) {
     const PlanResult result = planner.plan(request, seed, true, kGoOn);
     if (result.arm != better) continue;
     ++chosen;
-    // THEN it is the plan for that arm, beside the one that was asked where that stands
+    // THEN the plan equals that for the chosen arm, with the requested arm as an obstacle at its place
     PlanRequest direct = request;
     direct.choose_arm = 0;
     direct.arm = better;
@@ -529,7 +529,7 @@ TEST_F(PathPlannerTest, AnArmThatIsChosenGoesAsIfItHadBeenAsked) {
 
 TEST_F(PathPlannerTest, AnArmThatIsChosenKeepsOffTheOneThatWasAsked) {
   for (const Arm asked : kArms) {
-    // GIVEN an arm whose tip is at a goal that both can reach, and whose shaft touches something, so that it cannot go
+    // GIVEN an arm whose tip is at a goal that both arms reach. Its shaft touches an object, so that it cannot move.
     PlanRequest request = overTheWall();
     request.arm = asked;
     request.goal_W = {0.02, 0.0, 0.05};
@@ -544,11 +544,12 @@ TEST_F(PathPlannerTest, AnArmThatIsChosenKeepsOffTheOneThatWasAsked) {
     elsewhere.arm = otherArm(asked);
     std::swap(elsewhere.start, elsewhere.other);
     elsewhere.other = kHome;
-    ASSERT_EQ(planner.plan(elsewhere, 1, true, kGoOn).status, PlanStatus::kSuccess) << "but for that arm it is free";
+    ASSERT_EQ(planner.plan(elsewhere, 1, true, kGoOn).status, PlanStatus::kSuccess)
+        << "without the requested arm there the goal is free";
     // WHEN the planner chooses
     request.choose_arm = 1;
     const PlanResult result = planner.plan(request, 1, true, kGoOn);
-    // THEN it is the other arm, and it cannot go there
+    // THEN it chooses the other arm, which cannot reach the goal
     EXPECT_EQ(result.arm, otherArm(asked));
     EXPECT_EQ(result.status, PlanStatus::kGoalInCollision);
   }
@@ -569,7 +570,7 @@ TEST_F(PathPlannerTest, AnArmThatStandsBeyondItsLimitsIsNotChosen) {
 }
 
 TEST_F(PathPlannerTest, AStartALittleBeyondALimitIsWhereThePathBegins) {
-  // GIVEN an arm that settled a thousandth of a joint's range beyond one of its limits: less than kStartSlack
+  // GIVEN an arm that settled a thousandth of a joint's range beyond one of its limits: this is less than kStartSlack
   const model::SceneModel scene = test::scene({});
   PathPlanner planner(raven_, scene, config_);
   const ArmGeometry& g = raven_.arms.geometry;
@@ -583,7 +584,7 @@ TEST_F(PathPlannerTest, AStartALittleBeyondALimitIsWhereThePathBegins) {
       const PlanResult result = planner.plan(request, 1, true, kGoOn);
       ASSERT_EQ(result.status, PlanStatus::kSuccess) << kJointNames[joint] << upper;
       EXPECT_EQ(result.waypoints[0], request.start) << kJointNames[joint] << upper;
-      // AND a goal as far beyond is taken for the limit itself
+      // AND a goal that far beyond the limit counts as the limit itself
       std::swap(request.start, request.goal_q);
       const PlanResult back = planner.plan(request, 1, true, kGoOn);
       ASSERT_EQ(back.status, PlanStatus::kSuccess) << kJointNames[joint] << upper;
@@ -625,7 +626,7 @@ TEST_F(PathPlannerTest, SaysWhyNeitherArmCanGo) {
 }
 
 TEST_F(PathPlannerTest, LeavesAPlaceThatIsNearerThanTheClearance) {
-  // GIVEN an obstacle 1 mm from the tool's bar at home, half of what is kept from others
+  // GIVEN an obstacle 1 mm from the tool's bar at home, half of the usual clearance
   const Vector3 home = tip(raven_, Arm::kGold, kHome);
   model::SceneModel scene = test::scene({test::sphere(0.004, {Matrix3::Identity(), home})});
   PlannerConfig bare = config_;
@@ -665,7 +666,8 @@ TEST_F(PathPlannerTest, TellsHowFarItCameAndWhatItCost) {
   PlanStatistics s;
   const PlanResult result = planner.plan(overTheWall(), 5, false, kGoOn, defaultOptions(config_), &s);
   ASSERT_EQ(result.status, PlanStatus::kSuccess);
-  EXPECT_EQ(planner.progress().samples.load(), result.samples) << "neither start nor goal nor what was not kept";
+  EXPECT_EQ(planner.progress().samples.load(), result.samples)
+      << "only samples that were kept count, without start and goal";
   EXPECT_EQ(result.samples, config_.samples);
   EXPECT_GT(planner.progress().edges.load(), 0u);
   EXPECT_EQ(planner.progress().best_cost.load(), s.improved_cost);
@@ -676,7 +678,7 @@ TEST_F(PathPlannerTest, TellsHowFarItCameAndWhatItCost) {
   const double parts =
       s.goal_time + s.sampling_time + s.neighbour_time + s.search_time + s.improvement_time + s.rollout_time;
   EXPECT_NEAR(parts, result.planning_time, 1e-9);
-  // In lockstep nothing tells one machine from another.
+  // In lockstep no value depends on the machine.
   planner.plan(overTheWall(), 5, true, kGoOn, defaultOptions(config_), &s);
   EXPECT_EQ(s.goal_time + s.sampling_time + s.neighbour_time + s.search_time + s.improvement_time, 0.0);
 }
@@ -689,7 +691,7 @@ TEST_F(PathPlannerTest, ProgressIsOfThePlanThatIsUnderWayOrWasLast) {
   ASSERT_GT(edges, 0u);
   ASSERT_GT(planner.progress().best_cost.load(), 0.0);
   planner.plan(overTheWall(), 5, true, kGoOn);
-  EXPECT_EQ(planner.progress().edges.load(), edges) << "not of both";
+  EXPECT_EQ(planner.progress().edges.load(), edges) << "the count is of the last plan alone";
   PlanRequest nowhere = overTheWall();
   nowhere.start[kInsertion] = 0.60;
   ASSERT_EQ(planner.plan(nowhere, 5, true, kGoOn).status, PlanStatus::kInvalidStart);
@@ -700,7 +702,7 @@ TEST_F(PathPlannerTest, ProgressIsOfThePlanThatIsUnderWayOrWasLast) {
 }
 
 TEST_F(PathPlannerTest, TakesNoMoreSamplesThanItMayAndTellsHowOftenItAdded) {
-  // GIVEN ten samples, which grow by half as many each time: 10, 15, 23, 35, 53, ... up to the most
+  // GIVEN ten samples, whose number grows by half each time: 10, 15, 23, 35, 53, ... up to the limit
   const model::SceneModel scene = wall();
   PathPlanner planner(raven_, scene, config_);
   PlanOptions options = defaultOptions(config_);
@@ -744,7 +746,7 @@ TEST_F(PathPlannerTest, EveryPlannerSolvesIt) {
   for (const char* name : kPlannerNames) {
     PlanOptions options = defaultOptions(config_);
     options.planner = name;
-    options.eta_clearance = 0.0;  // OMPL's ask for more costs, and each would take a walk along its edge
+    options.eta_clearance = 0.0;  // OMPL's planners evaluate more costs; each would need an integral
     options.samples = std::string(name).find("FMT") == 0 ? 200 : 20000;
     const bool repeats = std::string(name) != "PRMstar";
     const PlanResult result = planner.plan(overTheWall(), 3, repeats, kGoOn, options);
@@ -763,7 +765,7 @@ TEST_F(PathPlannerTest, APlannerThatIsUnknownOrCannotRepeatItselfFails) {
 }
 
 TEST_F(PathPlannerTest, TheConfigurationKnowsTheSamePlanners) {
-  // config/read_planner.cpp lists the names: the layer below this one.
+  // The layer below this one, config/read_planner.cpp, lists the names.
   std::ifstream file(RAVEN2_TRAINER_SOURCE_DIR "/src/config/read_planner.cpp");
   const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
   std::string list;
@@ -773,7 +775,7 @@ TEST_F(PathPlannerTest, TheConfigurationKnowsTheSamePlanners) {
 }
 
 TEST_F(PathPlannerTest, ThePlannedArmGivesWayToTheOther) {
-  // GIVEN the green arm with its tip where gold's shall go: planned there, with gold out of the way
+  // GIVEN the green arm with its tip at gold's goal, from a plan with gold elsewhere
   PlanRequest request = overTheWall();
   request.arm = Arm::kGreen;
   request.goal_W = {0.02, 0.0, 0.05};

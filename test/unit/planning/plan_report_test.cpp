@@ -8,7 +8,7 @@
 #include "raven2_trainer/planning/path_planner.h"
 #include "shipped_trainer.h"
 
-// What a plan says of its path is what following the path once more, beside the other arm where that stands, says.
+// Tests that a plan's report of its path equals the report of following the path again, with the other arm in place.
 
 namespace raven2_trainer::planning {
 namespace {
@@ -17,7 +17,7 @@ using test::trainer;
 
 const std::atomic<bool> kGoOn{false};
 
-/** The shipped problem in which the arms are among each other. */
+/** The shipped problem in which the arms work close together. */
 PlanRequest twoArms() {
   return config::findProblem(RAVEN2_TRAINER_SOURCE_DIR "/config/problems", "two_arms", trainer().raven.arms.geometry)
       .request;
@@ -42,10 +42,10 @@ TEST(PlanReport, IsThatOfThePathFollowedBesideTheOtherArm) {
   const RollOutReport again = followAgain(request, plan);
   EXPECT_TRUE(again.free);
   EXPECT_EQ(plan.tracking_error, again.tracking_error);
-  // Both are lower bounds of one distance: to 0.5 mm or a quarter of it, and what ArmClearance says.
+  // Both are lower bounds of one distance: one within 0.5 mm or a quarter of it, the other by ArmClearance.
   EXPECT_NEAR(plan.clearance, again.clearance, 0.001 + 0.5 * again.clearance);
   EXPECT_GT(plan.clearance, 0.0);
-  // AND the next plan's roll-outs are counted from none
+  // AND the next plan counts its roll-outs from zero
   EXPECT_EQ(planner.progress().rollouts.load(), statistics.rollouts);
   ASSERT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kSuccess);
   EXPECT_EQ(planner.progress().rollouts.load(), statistics.rollouts);

@@ -8,7 +8,7 @@
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/planning/planner_config.h"
 
-// A Raven and scenes by hand: the DH chain of raven2.md 2.1 with the least of collision shapes. Planned for by the
+// A hand-made Raven and scenes: the DH chain of raven2.md 2.1 with a minimum of collision shapes. The planner has the
 // packaged configuration.
 
 namespace raven2_trainer::planning::test {
@@ -24,7 +24,7 @@ inline ArmGeometry geometry() {
   return g;
 }
 
-/** config/planner.yaml, with time enough for a busy machine and a volume that is estimated in milliseconds. */
+/** config/planner.yaml, with enough time for a busy machine and a free volume that takes milliseconds to estimate. */
 inline PlannerConfig plannerConfig() {
   static const PlannerConfig packaged =
       config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml").planner;

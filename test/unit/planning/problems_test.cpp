@@ -11,7 +11,7 @@
 #include "raven2_trainer/planning/path_planner.h"
 #include "shipped_trainer.h"
 
-// What config/problems says of itself is true of the shipped robot and scene.
+// Tests that the claims of config/problems are true for the shipped robot and scene.
 
 namespace raven2_trainer::planning {
 namespace {
@@ -118,7 +118,7 @@ class PositioningGrid {
     return q;
   }
 
-  /** All that is free and hangs together with `first`, corners included. */
+  /** Fills all free cells that are connected with `first`, also over corners. */
   template <typename IsFree>
   void fill(int first, const IsFree& is_free) {
     std::queue<int> open;
@@ -145,7 +145,7 @@ class PositioningGrid {
 
 TEST(ImpossibleProblem, NoWayLeadsOutOfThePocketOfTheGoal) {
   const PlanRequest request = problem("impossible");
-  // Filled from the goal: the pocket is small, and its grid is the proof.
+  // The grid is filled from the goal. It proves that the pocket is small and closed.
   const PositioningGrid pocket(request, request.goal_q);
   EXPECT_TRUE(pocket.isReached(request.goal_q));
   EXPECT_GT(pocket.reachedCells(), 500);

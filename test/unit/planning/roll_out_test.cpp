@@ -14,7 +14,7 @@
 #include "raven2_trainer/physics/raven_world.h"
 #include "support/effort.h"
 
-// The packaged robot among balls put where a test needs them.
+// Tests roll-outs of the packaged robot among balls that each test places.
 
 namespace raven2_trainer::planning {
 namespace {
@@ -45,12 +45,12 @@ JointArray fromHome(double shoulder, double elbow, double insertion, double rota
   return q;
 }
 
-/** Three edges of the tip from (25, 51, 52) by (91, 20, 29) and (85, 66, 15) to (16, 67, 28) mm: all far apart. */
+/** Three edges of the tip: (25, 51, 52), (91, 20, 29), (85, 66, 15) and (16, 67, 28) mm, all far apart. */
 Path threeEdges() {
   return {home(), fromHome(0.4, 0.2, -0.06, 0.5), fromHome(0.4, -0.25, -0.06, 0.2, 0.3), fromHome(-0.1, -0.25, -0.02)};
 }
 
-/** [s] at the limits of planner.yaml. @param[in] speed times as fast. */
+/** [s] at the waypoints, at the limits of planner.yaml. @param[in] speed factor on these limits. */
 std::vector<double> times(const Path& path, double speed = 1.0) {
   std::vector<double> arrival(path.size(), 0.0);
   const PlannerConfig& planner = config().planner;
@@ -102,7 +102,7 @@ void expectEqual(const RollOutReport& a, const RollOutReport& b) {
   EXPECT_EQ(a.duration, b.duration);
 }
 
-/** True if a straight path touches nothing, every millisecond of it. */
+/** Whether a straight path touches nothing at every thousandth of an edge. */
 bool isFreeUntracked(const SceneObstacles& obstacles, const Path& path) {
   ArmCollision judge(raven(), obstacles, Arm::kGold, 0.0);
   judge.placeOther(home());
@@ -114,7 +114,7 @@ bool isFreeUntracked(const SceneObstacles& obstacles, const Path& path) {
   return true;
 }
 
-/** Where the arm is at every tick, rolled out here with nothing but a world and the law. */
+/** The arm's joints at every tick, simulated here with only a world and the control law. */
 std::vector<JointArray> tracked(const Path& path, const std::vector<double>& arrival, const ModelConfig& model) {
   physics::initialiseOde();
   physics::ArmWorld world(raven(), Arm::kGold, model);
@@ -140,13 +140,13 @@ TEST(RollOut, AFreePathIsFreeAndTheArmComesToRestAtItsEnd) {
   EXPECT_FALSE(report.stopped);
   EXPECT_GT(report.clearance, 0.0);
   EXPECT_LT(report.tracking_error, 0.001);
-  EXPECT_GT(report.tracking_error, 1e-5) << "an arm that tracks without any error is none";
+  EXPECT_GT(report.tracking_error, 1e-5) << "a real arm has some tracking error";
   EXPECT_GE(report.duration, times(path).back());
   EXPECT_LT(report.duration, times(path).back() + 0.3);
 }
 
 TEST(RollOut, AskedForThePathItselfTheArmLags) {
-  // GIVEN an insertion of 40 mm at 0.05 m/s at most, whose lag is (kd + friction) / kp = 99 ms
+  // GIVEN an insertion of 40 mm at up to 0.05 m/s, with a lag of (kd + friction) / kp = 99 ms
   const Path path{home(), fromHome(0.0, 0.0, 0.04)};
   const std::vector<double> arrival{0.0, 15.0 / 8.0 * 0.04 / 0.05};
   const SceneObstacles nothing(test::scene({}));
@@ -171,8 +171,8 @@ TEST(RollOut, FindsTheEdgeOnWhichTheArmTouches) {
 }
 
 TEST(RollOut, APathThatIsFreeButForItsTrackingIsFound) {
-  // GIVEN a tool that cannot be withdrawn as fast as the shoulder turns at three times the limits, and a ball where
-  // that leads the tip off the straight line: too deep
+  // GIVEN a path at three times the limits, on which the tool is withdrawn more slowly than the shoulder turns. So the
+  // tip goes too deep, off the straight line, to where a ball is.
   const Path path{fromHome(0.0, 0.0, -0.08), fromHome(0.5, 0.0, 0.0)};
   constexpr double kFast = 3.0;
   Vector3 astray = Vector3::Zero();
@@ -186,7 +186,7 @@ TEST(RollOut, APathThatIsFreeButForItsTrackingIsFound) {
   }
   ASSERT_GT(farthest, 0.008) << "the arm must leave its path";
   Scene scene({ball(astray, 0.001)});
-  // THEN the straight path is free, followed slowly it is free, and followed fast it is not
+  // THEN the straight path is free. The arm follows it freely when slow, and touches when fast.
   ASSERT_TRUE(isFreeUntracked(scene.obstacles, path));
   EXPECT_TRUE(scene.follow(path, 0.5).free);
   EXPECT_FALSE(scene.follow(path, kFast).free);
@@ -202,7 +202,7 @@ TEST(RollOut, AnArmThatSagsTouchesWhatItsPathPasses) {
     gains.kd *= 0.01;
   }
   for (double& friction : soft.viscous_friction)
-    friction *= 0.05;  // or it would take seconds
+    friction *= 0.05;  // else the arm would take seconds to sag
   const Path path{home(), fromHome(0.1, 0.0, 0.0)};
   const JointArray sagged = tracked(path, times(path), soft).back();
   ASSERT_GT((tip_W(sagged) - tip_W(path[1])).norm(), 0.02);
@@ -215,7 +215,7 @@ TEST(RollOut, AnArmThatSagsTouchesWhatItsPathPasses) {
 }
 
 TEST(RollOut, JudgesEveryStateAsIfItHadBeenAsked) {
-  // GIVEN balls along the way, some of them touched: the verdict is that of FCL at every single tick
+  // GIVEN balls along the path, some of which the arm touches: the verdict is that of FCL at every tick
   const Path path = threeEdges();
   const std::vector<JointArray> states = tracked(path, times(path), config().model);
   const auto trials = static_cast<int>(testing::effort(12, 30));
@@ -240,7 +240,7 @@ TEST(RollOut, JudgesEveryStateAsIfItHadBeenAsked) {
 }
 
 TEST(RollOut, TheOtherArmIsAnObstacle) {
-  // GIVEN the green tool leaning over to where the gold one goes
+  // GIVEN the green tool leaning over into the path of the gold one
   const Path path{home(), fromHome(0.3, 0.6, -0.05)};
   Scene scene({});
   JointArray in_the_way = home();
@@ -253,7 +253,7 @@ TEST(RollOut, TheOtherArmIsAnObstacle) {
       found = !judge.touches(path[0]) && judge.touches(between(path[0], path[1], 0.9));
     }
   }
-  ASSERT_TRUE(found) << "no place for the green arm";
+  ASSERT_TRUE(found) << "the green arm must find a place on the path";
   EXPECT_TRUE(scene.follow(path).free);
   EXPECT_FALSE(scene.roll_out.follow(path, times(path), in_the_way).free);
   EXPECT_TRUE(scene.follow(path).free);
@@ -270,7 +270,7 @@ TEST(RollOut, NothingOfOneRollOutIsLeftInTheNext) {
   expectEqual(used.follow(second), Scene(shapes).follow(second));
 }
 
-/** Counts how often the distance is asked for: the work that a roll-out does. */
+/** Counts the calls for the distance, which measure the work of a roll-out. */
 struct Counted : Scene {
   using Scene::Scene;
   explicit Counted(const std::vector<model::CollisionShape>& shapes) : Scene(shapes) {
@@ -315,7 +315,7 @@ TEST(RollOut, ARepairedPathIsTakenUpWhereTheOldOneFailed) {
   EXPECT_LT(used.calls, fresh.calls);
 }
 
-/** What follow() is given. */
+/** Arguments of follow(). */
 struct Task {
   const char* what;
   Path path;
@@ -323,12 +323,12 @@ struct Task {
   JointArray other;
 };
 
-/** About where the green arm can lean over to. */
+/** Near the place that the green arm can lean over to. */
 JointArray inTheMiddle(double shoulder, double elbow, double insertion = 0.0, double rotation = 0.0) {
   return fromHome(0.25 + shoulder, 0.5 + elbow, -0.04 + insertion, rotation);
 }
 
-/** Short edges of which each next task differs from the one before in one thing alone. */
+/** Tasks with short edges. Each task differs in one thing only from the one before. */
 std::vector<Task> tasksInARow(const JointArray& beside) {
   const Path path{inTheMiddle(0.0, 0.0), inTheMiddle(0.05, 0.03, -0.005), inTheMiddle(0.08, -0.03, -0.005, 0.1),
                   inTheMiddle(0.03, 0.0)};
@@ -348,7 +348,7 @@ std::vector<Task> tasksInARow(const JointArray& beside) {
           {"and all", path, quick, home()}};
 }
 
-/** Where the green arm comes nearer to a path's waypoints than anything else by so much [m], and does not touch. */
+/** A pose of the green arm that is nearer to a path's waypoints than any object by `by` [m], without contact. */
 JointArray nearerThan(const std::vector<model::CollisionShape>& shapes, const Path& path, double by) {
   const SceneObstacles obstacles(test::scene(shapes));
   ArmCollision judge(raven(), obstacles, Arm::kGold, 0.0);
@@ -374,7 +374,7 @@ TEST(RollOut, WhicheverPathCameBeforeTheNextIsFollowedAsByANewOne) {
   const Vector3 below = tip_W(inTheMiddle(0.08, -0.03, -0.005)) - Vector3(0, 0, 0.03);
   const std::vector<model::CollisionShape> shapes{ball(below, 0.004)};
   const JointArray beside = nearerThan(shapes, tasksInARow(home())[0].path, 0.003);
-  ASSERT_NE(beside, home()) << "no place for the green arm";
+  ASSERT_NE(beside, home()) << "the green arm must find a place near the path";
   Scene used(shapes);
   for (const Task& task : tasksInARow(beside)) {
     SCOPED_TRACE(task.what);
@@ -396,7 +396,7 @@ TEST(RollOut, AnotherMeasureOfDistanceForgetsWhatTheOldOneSaid) {
 }
 
 TEST(RollOut, AnArmThatNeverComesToRestIsNotFree) {
-  // GIVEN a wrist without any damping, set swinging by a short edge
+  // GIVEN a wrist without any damping, which a short edge sets swinging
   ModelConfig swinging = config().model;
   swinging.gains[kWrist].kd = swinging.viscous_friction[kWrist] = 0.0;
   Scene scene({}, swinging);
@@ -404,7 +404,7 @@ TEST(RollOut, AnArmThatNeverComesToRestIsNotFree) {
   const RollOutReport report = scene.roll_out.follow(path, {0.0, 0.5, 0.55}, home());
   EXPECT_FALSE(report.free);
   EXPECT_FALSE(report.broken);
-  EXPECT_EQ(report.failed_edge, 1U) << "the last one";
+  EXPECT_EQ(report.failed_edge, 1U) << "the last edge fails";
   EXPECT_GT(report.duration, 0.55 + 1.0);
   EXPECT_GT(report.clearance, 0.0);
 }
@@ -419,7 +419,7 @@ TEST(RollOut, ItEndsAtRestWhicheverWayTheJointsCame) {
     const std::vector<JointArray> states = tracked(path, arrival, config().model);
     const auto last = static_cast<std::size_t>(std::lround(report.duration / kTickSeconds));
     ASSERT_LT(last, states.size());
-    // THEN over its last 20 ticks no joint moved by 1 mrad/s, 1 mm/s
+    // THEN in the last 20 ticks no joint moved at 1 mrad/s or 1 mm/s
     for (std::size_t j = 0; j < kJointCount; ++j)
       EXPECT_LT(std::abs(states[last][j] - states[last - 20][j]), 20 * 1e-3 * kTickSeconds) << j << " " << way;
   }
@@ -427,7 +427,7 @@ TEST(RollOut, ItEndsAtRestWhicheverWayTheJointsCame) {
 
 TEST(RollOut, TellsTheEdgeOnWhichTheTipWasFarthestAstray) {
   for (std::size_t fast = 0; fast < 3; ++fast) {
-    // GIVEN three edges alike, one of them followed much faster than the others
+    // GIVEN three equal edges, one of them followed much faster than the others
     const Path path{home(), fromHome(0.05, 0.0, 0.0), fromHome(0.1, 0.0, 0.0), fromHome(0.15, 0.0, 0.0)};
     std::vector<double> arrival{0.0};
     for (std::size_t edge = 0; edge < 3; ++edge)
@@ -476,12 +476,12 @@ TEST(RollOut, AStateThatIsNotFiniteIsNotFree) {
   EXPECT_FALSE(report.free);
   EXPECT_EQ(report.failed_edge, 1U);
   EXPECT_TRUE(report.broken);
-  EXPECT_TRUE(scene.follow(threeEdges()).free) << "and does no harm to the next one";
+  EXPECT_TRUE(scene.follow(threeEdges()).free) << "the next path is not affected";
 }
 
 TEST(RollOut, AWorldThatOdeGaveUpIsReplaced) {
-  // GIVEN motors without limits, targets so far away that ODE is cut off in the midst of a step, and several steps a
-  // tick, so that this comes before anybody looks
+  // GIVEN motors without limits, and targets so far away that ODE gives up within a step. A tick has several steps, so
+  // that ODE gives up before anything checks the state.
   ModelConfig mighty = config().model;
   mighty.sub_steps = 20;
   for (JointGains& gains : mighty.gains)
@@ -493,7 +493,7 @@ TEST(RollOut, AWorldThatOdeGaveUpIsReplaced) {
     const RollOutReport report = used.roll_out.follow({home(), beyond}, {0.0, 0.002}, home());
     EXPECT_FALSE(report.free) << far;
     EXPECT_TRUE(report.broken) << far;
-    // THEN the next path is followed as if nothing had been
+    // THEN the next path is followed as by a fresh world
     const Path path{home(), fromHome(0.05, 0.0, -0.01)};
     const RollOutReport next = used.follow(path);
     EXPECT_TRUE(next.free) << far;

@@ -12,17 +12,17 @@
 #include "raven2_trainer/kinematics/shortest_turn.h"
 #include "raven2_trainer/model/raven_model.h"
 
-// What hands have to reach in the shipped scenes: some grip of the ring there has all joints well inside their limits
-// and touches nothing that stands still. By all branches of the inverse kinematics: what a path can lead to, not what
-// is near the arm's present joints.
+// Tests that a surgeon can reach every required place in the shipped scenes. There some grip of the ring has all joints
+// well inside their limits and touches no fixed object. All branches of the inverse kinematics count: a path can lead
+// to any of them, not only to the one near the arm's present joints.
 
 namespace raven2_trainer::planning {
 namespace {
 
 constexpr double kDegree = kPi / 180.0;
-constexpr double kMargin = 8.0 * kDegree;   // [rad] of every joint to its limits
-constexpr double kInsertionMargin = 0.016;  // [m] of the insertion to its
-constexpr double kOpen = 0.8;               // [rad] jaws about a bar, before they close
+constexpr double kMargin = 8.0 * kDegree;   // [rad] from every joint to its limits
+constexpr double kInsertionMargin = 0.016;  // [m] from the insertion to its limits
+constexpr double kOpen = 0.8;               // [rad] jaws around a bar, before they close
 constexpr double kJaws = 0.0085;            // [m] pivot to the bar's middle line; the jaws are 10 mm long
 constexpr double kOver = 0.002;             // [m] between a peg's top and the ring that is carried over it
 
@@ -40,7 +40,7 @@ struct Loaded {
   model::SceneModel scene;
 };
 
-/** Tool about a ring's bar: from above the ring, leaning outward. */
+/** Tool around a ring's bar, from above the ring, leaning outward. */
 Pose toolInRing(double radius, double azimuth, double lean, bool turned) {
   const Vector3 out(std::cos(azimuth), std::sin(azimuth), 0.0), up = Vector3::UnitZ(), bar = up.cross(out);
   Pose X_RT;
@@ -55,7 +55,7 @@ Pose level(const Vector3& p_W) {
   return {Matrix3::Identity(), p_W};
 }
 
-/** A ring through which a wire passes in this direction. */
+/** A ring with its axis in this direction, as if a wire passed through it. */
 Pose about(const Vector3& p_W, const Vector3& direction) {
   return {kinematics::shortestTurn(Vector3::UnitZ(), direction).toRotationMatrix(), p_W};
 }
@@ -74,7 +74,7 @@ class Reach {
   const SceneRoles& roles() const { return loaded_.config.roles; }
   const ArmGeometry& geometry() const { return loaded_.raven.arms.geometry; }
 
-  /** How many grips of a ring there the arm can take. */
+  /** The number of grips of a ring at that pose that the arm can take. */
   int grips(Arm arm, const Pose& X_WR, double radius) {
     int count = 0;
     for (int azimuth = 0; azimuth < 24; ++azimuth) {
@@ -121,7 +121,7 @@ const ScenePeg& pegNamed(const SceneRoles& roles, const std::string& name) {
   return *std::find_if(roles.pegs.begin(), roles.pegs.end(), [&](const ScenePeg& peg) { return peg.name == name; });
 }
 
-/** Both ends of putting a ring on a peg: over its top, and down at its foot. */
+/** Start and end of putting a ring on a peg: over the top, and at the foot. */
 void expectPegReached(Reach* reach, Arm arm, const ScenePeg& peg, const SceneObject& ring) {
   const double over = peg.height + kOver + ring.bar_radius;
   for (const double height : {ring.bar_radius, over}) {
@@ -153,7 +153,7 @@ TEST(SceneReach, RingsOfFrsLoopsAreHeldAllAlongTheirRail) {
     for (std::size_t i = 0; i < line.size(); ++i) {
       const Vector3 p = toEigen(line[i]);
       const Vector3 along = toEigen(line[std::min(i + 1, line.size() - 1)]) - toEigen(line[i == 0 ? 0 : i - 1]);
-      // At its foot the ring lies on the plate; on its way it may be turned over.
+      // At the rail's foot the ring lies on the plate. Along the rail it may be turned over.
       const Pose X_WR = i == 0 ? level(p + Vector3(0, 0, reach.roles().objects[0].bar_radius)) : about(p, along);
       const int grips = reach.grips(arm, X_WR, radius) + (i == 0 ? 0 : reach.grips(arm, about(p, -along), radius));
       EXPECT_GE(grips, 2) << rail.name << " point " << i;
@@ -174,8 +174,7 @@ TEST(SceneReach, EveryPegOfThePegBoardIsReachedByBothArms) {
   }
 }
 
-// ---- what stands where
-// -----------------------------------------------------------------------------------------------
+// ---- places in the scenes ----------------------------------------------------------------------------------------
 
 class ShippedScene : public ::testing::TestWithParam<const char*> {};
 
@@ -202,7 +201,7 @@ TEST_P(ShippedScene, PegsAndWiresAreWhereTheirLinksAre) {
   }
 }
 
-/** Gap between a ring that lies flat and a round peg or a rail's foot through its middle. */
+/** A ring that lies flat has a gap to the round peg or the rail's foot in its middle. */
 TEST_P(ShippedScene, RingsBeginRoundWhatStandsInThem) {
   const Loaded loaded(GetParam());
   const SceneRoles& roles = loaded.config.roles;
@@ -224,7 +223,7 @@ TEST(ShippedScenes, EachIsTested) {
   std::size_t count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(RAVEN2_TRAINER_SOURCE_DIR "/config/scenes"))
     count += entry.path().extension() == ".yaml" ? 1 : 0;
-  EXPECT_EQ(count, 5U) << "frs_field is frs_trainer with places of its own";
+  EXPECT_EQ(count, 5U) << "frs_field, the fifth, is frs_trainer with other places";
 }
 
 }  // namespace

@@ -42,8 +42,8 @@ TEST(SegmentDistance, AgreesWithASearch) {
 
 TEST(SegmentDistance, HandlesPointsAndParallels) {
   const Segment x{{0, 0, 0}, {1, 0, 0}};
-  EXPECT_DOUBLE_EQ(squaredDistance(x, {{0.5, 2, 0}, {0.5, 2, 0}}), 4.0);  // point beside
-  EXPECT_DOUBLE_EQ(squaredDistance({{3, 0, 0}, {3, 0, 0}}, x), 4.0);      // point beyond
+  EXPECT_DOUBLE_EQ(squaredDistance(x, {{0.5, 2, 0}, {0.5, 2, 0}}), 4.0);  // point to the side
+  EXPECT_DOUBLE_EQ(squaredDistance({{3, 0, 0}, {3, 0, 0}}, x), 4.0);      // point beyond the end
   EXPECT_DOUBLE_EQ(squaredDistance({{3, 0, 0}, {3, 0, 0}}, {{0, 4, 0}, {0, 4, 0}}), 25.0);
   EXPECT_DOUBLE_EQ(squaredDistance(x, {{0.2, 0, 3}, {0.7, 0, 3}}), 9.0);   // parallel, side by side
   EXPECT_DOUBLE_EQ(squaredDistance(x, {{3, 0, 0}, {2, 0, 0}}), 1.0);       // on one line

@@ -27,7 +27,7 @@ inline JointArray randomJoints(const ArmGeometry& g, Random* random) {
   return q;
 }
 
-/** Joints about `q`, each by up to `share` of its range, within the limits. */
+/** Random joints near `q`, each off by up to `share` of its range, within the limits. */
 inline JointArray randomJointsNear(const ArmGeometry& g, const JointArray& q, double share, Random* random) {
   JointArray out{};
   for (std::size_t j = 0; j < kJointCount; ++j) {

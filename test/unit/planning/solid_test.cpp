@@ -82,8 +82,8 @@ TEST(Solid, SeparationOfBoxesIsPositiveExactlyWhenTheyAreApart) {
 TEST(Solid, BoxesSideBySideAndCrossedEdgeToEdge) {
   const auto cube = test::box({0.02, 0.02, 0.02});
   EXPECT_NEAR(separation(solidOf(cube, {}), solidOf(cube, {Matrix3::Identity(), {0.025, 0.003, 0}})), 0.005, 1e-15);
-  // GIVEN two edges that cross at right angles, along y and z, each on its cube's diagonal: half a diagonal is 10 sqrt
-  // 2
+  // GIVEN two edges that cross at right angles, along y and z, each on its cube's diagonal. Half a diagonal is
+  // 10 sqrt 2 mm.
   const Pose a{Eigen::AngleAxisd(kPi / 4, Vector3::UnitY()).toRotationMatrix(), {0, 0, 0}};
   const Pose b{Eigen::AngleAxisd(kPi / 4, Vector3::UnitZ()).toRotationMatrix(), {0.03, 0, 0}};
   EXPECT_NEAR(separation(solidOf(cube, a), solidOf(cube, b)), 0.03 - 0.02 * std::sqrt(2.0), 1e-12);
@@ -112,7 +112,7 @@ TEST(Solid, ABoxLiesInTheCapsuleAroundIt) {
       const Vector3 p = solid.X_WS * Vector3(solid.half.cwiseProduct(sign));
       farthest = std::max(farthest, std::sqrt(squaredDistance(solid.axis, {p, p})));
     }
-    EXPECT_NEAR(farthest, solid.radius, 1e-12) << "no less, or shapes would be missed; no more, or work is wasted";
+    EXPECT_NEAR(farthest, solid.radius, 1e-12) << "a smaller radius would miss shapes; a larger one would waste work";
   }
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 TEST(StandingSolids, WhatAJointCarriesOnFixedJointsDoesNotStandStill) {
   for (const Arm arm : kArms) {
-    // GIVEN a ball on the arm's base, which stands, and one fixed to each of its moving links, which do not
+    // GIVEN a ball on the arm's base, which does not move, and one fixed to each of the links, which do
     model::RavenModel raven = test::raven();
     const auto hang = [&raven](int parent) {
       const int link = test::addLink(&raven.description, parent, model::JointKind::kFixed, {}, Vector3::UnitZ());
@@ -26,7 +26,7 @@ TEST(StandingSolids, WhatAJointCarriesOnFixedJointsDoesNotStandStill) {
       carried.push_back(hang(link));
     const StandingSolids standing = standingSolids(raven, test::scene({test::sphere(0.01)}));
     EXPECT_EQ(standing.scene_count, 1U);
-    EXPECT_EQ(standing.solids.size(), 2U) << "the scene's, and that of the base";
+    EXPECT_EQ(standing.solids.size(), 2U) << "the solid of the scene and that of the base";
     const JudgedPairs mine = judgedPairs(raven, arm, 0.0), others = judgedPairs(raven, otherArm(arm), 0.0);
     for (const int link : carried) {
       const auto is_it = [link](const ShapeRef& ref) { return ref.link == link; };

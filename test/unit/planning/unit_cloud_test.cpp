@@ -34,7 +34,7 @@ TEST(UnitCloud, FindsAllThatIsNearAndNothingElse) {
           is_close_call = is_close_call || (i != center && std::abs(d - radius) < 1e-6);
           if (i != center && d <= radius) expected.push_back(i);
         }
-        ASSERT_FALSE(is_close_call) << "take another seed";
+        ASSERT_FALSE(is_close_call) << "a point is too close to the radius: choose another seed";
         EXPECT_EQ(found, expected) << "radius " << radius << " first " << first << " center " << center;
       }
     }
@@ -45,7 +45,7 @@ TEST(EdgeMemory, KeepsWhatAMapWouldKeepWhicheverWayRound) {
   Random random(5);
   EdgeMemory memory;
   std::map<std::pair<std::uint32_t, std::uint32_t>, double> expected;
-  for (int i = 0; i < 20000; ++i) {  // past several doublings
+  for (int i = 0; i < 20000; ++i) {  // enough for several doublings of the table
     const std::uint32_t a = random.next() % 300, b = random.next() % 300;
     if (a == b) continue;
     memory.set(a, b, {i / 7.0, CostStage::kPlain});

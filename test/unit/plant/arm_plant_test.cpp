@@ -72,7 +72,7 @@ TEST(ArmPlant, FirstMotionUnderADacIsThatOfTheEquationsOfMotion) {
   const Vector7 expected = M.inverse() * (A.transpose() * (capstan / 12.25) - dynamics.bias());
 
   arm.step(dacOn(kShoulder, 2000), false);
-  // Damping of the tool's cables and the change of posture within 1 ms are small beside the acceleration itself.
+  // The damping of the tool's cables and the change of posture within 1 ms are small against the acceleration.
   EXPECT_NEAR(arm.jointVelocities()[kShoulder] / kTickSeconds, expected[kShoulder],
               0.01 * std::abs(expected[kShoulder]));
   EXPECT_GT(expected[kShoulder], 5.0);
@@ -152,7 +152,7 @@ class HardStops : public ::testing::TestWithParam<StopRow> {
     VirtualRavenConfig config = frictionless();
     config.plant.elastic_cables = row.elastic;
     for (std::size_t j = 0; j < kJointCount; ++j)
-      config.plant.axes[j].coulomb = j == row.joint ? 0.0 : 10.0;  // the others stand
+      config.plant.axes[j].coulomb = j == row.joint ? 0.0 : 10.0;  // the others do not move
     ArmPlant arm(dhRaven(trainerConfig().arms), which, config);
     const double room = row.joint == kInsertion ? 0.002 : 0.02;
     Vector7 q = arm.jointPositions();

@@ -64,7 +64,7 @@ class RandomCommands {
 };
 
 TEST(Cables, StretchAtRestIsTheLoadOverTheStiffness) {
-  // Brakes hold the motors; what each cable carries is gravity through the coupling: A^-T dV/dq, V by differences.
+  // Brakes hold the motors; each cable carries gravity through the coupling: A^-T dV/dq, V by differences.
   const VirtualRavenConfig config = elastic();
   ArmPlant arm = goldArm(config);
   for (int k = 0; k < 5000; ++k)
@@ -155,16 +155,16 @@ TEST(Cables, TheStifferTheCloserToRigidOnes) {
 }
 
 TEST(Cables, ALinkThatSticksLetsTheMotorStretchTheCable) {
-  // 30 N of dry friction where the shaft slides, 10 N from the motor, 4 N of weight: the link stays, and the cable of
-  // 18500 N/m (raven2.md 6.2) gives 10 / 18500 m, which are 1.167 rad of the motor at 2158.59 rad/m.
+  // 30 N of dry friction where the shaft slides, 10 N from the motor, 4 N of weight: the link does not move. The cable
+  // of 18500 N/m (raven2.md 6.2) gives 10 / 18500 m, which are 1.167 rad of the motor at 2158.59 rad/m.
   VirtualRavenConfig config = withoutFriction(elastic());
   config.plant.axes[kInsertion].link_coulomb = 30.0;
   for (const Joint joint : {kShoulder, kElbow, kToolRotation, kWrist, kGrasp1, kGrasp2})
-    config.plant.axes[joint].coulomb = 10.0;  // these stand
+    config.plant.axes[joint].coulomb = 10.0;  // these do not move
   ArmPlant arm = goldArm(config);
   const double start = arm.jointPositions()[kInsertion];
   const int counts = -static_cast<int>(10.0 / 2158.59030837 * 12.25 * 3695.807);  // gold: negative drives forward
-  for (int k = 0; k < 8000; ++k)  // the motor swings at 1.4 Hz on the cable and loses 1.6 of its logarithm a second
+  for (int k = 0; k < 8000; ++k)  // the motor swings at 1.4 Hz on the cable and decays by exp(-1.6) a second
     arm.step(dacOn(kInsertion, counts), false);
   EXPECT_NEAR(arm.jointPositions()[kInsertion], start, 1e-9);
   const double count = 2158.59030837 / 12.25 / 3695.807;  // [N]

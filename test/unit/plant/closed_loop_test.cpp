@@ -9,7 +9,7 @@
 #include "raven2_trainer/core/random.h"
 #include "raven2_trainer/raven/board_channels.h"
 
-// Control software and plant together: what the emulated robot does as a whole.
+// Control software and plant together: the behaviour of the whole emulated robot.
 
 namespace raven2_trainer::plant {
 namespace {

@@ -8,8 +8,8 @@
 #include "raven2_trainer/model/raven_model.h"
 
 // A RavenModel built in code from the DH table of raven2.md 2.1, with the published masses and centres of mass (6.2,
-// 3.8) and round figures for the tool: the tests need neither URDF nor meshes, and check the plant against numbers that
-// can be worked out by hand.
+// 3.8) and round figures for the tool. The tests need neither URDF nor meshes. They check the plant against numbers
+// that can be worked out by hand.
 
 namespace raven2_trainer::plant::test {
 

@@ -78,7 +78,7 @@ TEST(Plc, DropsToEStop200CyclesAfterTheLastWatchdogEdge) {
   Software software;
   Plc plc = inPedalDown(&software);
   software.alive = false;
-  software.run(&plc, 26, pins::kFootPedal);  // whatever phase it was in, no edge comes after this
+  software.run(&plc, 26, pins::kFootPedal);  // in any phase, no edge comes after this
   int cycles = 26;
   while (plc.level() != RunLevel::kEStop && cycles < 1000) {
     software.run(&plc, 1, pins::kFootPedal);

@@ -22,7 +22,7 @@ namespace {
 using test::dhRaven;
 using test::trainerConfig;
 
-/** A CSV file of its own, gone at the end of the test. */
+/** A separate CSV file for each test, removed at its end. */
 class RecordingFile : public testing::Test {
  protected:
   void SetUp() override {

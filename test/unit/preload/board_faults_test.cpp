@@ -108,7 +108,7 @@ TEST(BoardFaults, ThePedalIsTheRunLevelThatTheProgramWroteLast) {
     ASSERT_TRUE(raven::decodeOut(boards.out, &out));
     const bool acts = cycle >= 2 + 2 && cycle < 2 + 2 + 3;  // the first cycle that saw level 3 is the second
     EXPECT_EQ(out.dac[0], acts ? 1 : 100) << cycle;
-    EXPECT_EQ(out.dac[3], 400) << "the channel that is not connected is nobody's";
+    EXPECT_EQ(out.dac[3], 400) << "no fault reaches the unconnected channel";
     boards.write(Arm::kGreen, 3);
     EXPECT_EQ(boards.out, raven::encodeOut({{100, 200, 300, 400, 500, 600, 700, 800}, 3}));
   }
@@ -324,7 +324,7 @@ TEST(BoardFaults, TwoThreadsCountTheSameCyclesAndPackets) {
     boards.read(Arm::kGold, UsbRead::kComplete, &in, 0);
     boards.write(Arm::kGold, raven::encodeOut({}), &out);
   };
-  cycle();  // before the first nothing acts on packets, and which thread is the first is nobody's to say
+  cycle();  // nothing acts on packets before the first cycle, and either thread may be the first
   std::uint32_t taken = 0;
   std::thread receiver([&] {
     wire::ItpBytes bytes;

@@ -8,8 +8,8 @@
 #include "raven2_trainer/preload/network_faults.h"
 #include "unit/raven/raven_fixture.h"
 
-// The virtual Raven with faults in its own hooks, beside one that is left alone with the same faults between it and its
-// boards and socket: what the boards get is the same, byte for byte, in every cycle.
+// Compares two virtual Ravens. One has faults in its own hooks. The other is unchanged, with the same faults between it
+// and its boards and socket. The boards of both get the same bytes in every cycle.
 
 namespace raven2_trainer::preload {
 namespace {
@@ -93,7 +93,7 @@ struct Robot {
   raven::ControlSoftware software;
 };
 
-/** The program that is left alone, behind the faults. */
+/** The unchanged program, behind the faults. */
 struct Surrounded {
   explicit Surrounded(const FaultPlan& plan) : boards(plan, &history), network(plan, &history) {}
 

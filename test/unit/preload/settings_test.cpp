@@ -37,7 +37,7 @@ struct SettingsTest : ::testing::Test {
       return found == environment.end() ? nullptr : found->second.c_str();
     }));
   }
-  /** What is said about it; "" if nothing is. */
+  /** The error message for these settings; "" if they are accepted. */
   std::string refusal() const {
     try {
       order();
@@ -189,7 +189,7 @@ TEST_F(SettingsTest, PortsAreThoseOfUdp) {
 }
 
 TEST_F(SettingsTest, TheShownLevelOfThePlcIsInsideOfTheProgram) {
-  environment["RAVEN2_USB_FAULTS"] = kFaults + "plc_state_bogus.yaml";  // the site of the pins, which are not inside
+  environment["RAVEN2_USB_FAULTS"] = kFaults + "plc_state_bogus.yaml";  // site of the pins, which are at the boundary
   EXPECT_TRUE(isRefused("site is inside of the program")) << refusal();
 }
 

@@ -82,7 +82,7 @@ TEST_P(Guarded, HoldWritesTheArmsOwnLastSafeCommandAndLeavesTheOtherArm) {
   }
 }
 
-/** A command beyond the clip that raises no alarm yet is nothing to fall back to. */
+/** The guard must not fall back to a command beyond the clip, even if the command raised no alarm. */
 TEST_P(Guarded, HoldNeverWritesACommandFromBeyondTheClip) {
   DetectorConfig config = alert(Mitigation::kHold);
   config.factor = 0.12;  // 2600 counts, a hundred beyond the clip, are a third of it and kThrow more than it
@@ -92,7 +92,7 @@ TEST_P(Guarded, HoldNeverWritesACommandFromBeyondTheClip) {
       check(&guard);
     check(&guard, sign * 2600);
     ASSERT_FALSE(guard.report().verdict.alarm);
-    ASSERT_LT(guard.report().verdict.size, 0.5 * config.factor) << "nothing but the clip tells it from a calm one";
+    ASSERT_LT(guard.report().verdict.size, 0.5 * config.factor) << "only the clip distinguishes it from a calm command";
     check(&guard, sign * kThrow);
     ASSERT_TRUE(guard.report().verdict.alarm);
     expectWritten(GetParam(), calm(GetParam()));

@@ -276,7 +276,7 @@ TEST(ControlSoftware, TheMasterCannotWindUpPastAJointLimit) {
   const double at_limit = dacOf(bench, Arm::kGold, kShoulder);
   send(-500);
   const double way_back = dacOf(bench, Arm::kGold, kShoulder);
-  // Gold's shoulder torque is negative for positive DAC: the demand must turn with the first packet of the way back.
+  // Gold's shoulder torque is negative for positive DAC: the demand must change direction with the first packet back.
   EXPECT_LT(way_back, at_limit - 500);
 }
 

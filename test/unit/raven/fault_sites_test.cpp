@@ -5,7 +5,7 @@
 #include "raven2_trainer/core/fault_variables.h"
 #include "unit/raven/raven_fixture.h"
 
-// One test for each place in the control program: what goes in wrong there comes out where the program takes it.
+// One test for each place in the control program: a wrong input there appears where the program uses it.
 
 namespace raven2_trainer::raven {
 namespace {
@@ -227,9 +227,9 @@ TEST(FaultSites, WritingMoreBoardsThanThereAreEndsTheProgram) {
   RobotState state;
   bench.software.returnState(1);
   ASSERT_TRUE(bench.software.nextReturned(&state));
-  EXPECT_EQ(state.fault_mask, 1) << "what ended it";
+  EXPECT_EQ(state.fault_mask, 1) << "the fault that ended the program";
   bench.software.returnState(2);
-  EXPECT_FALSE(bench.software.nextReturned(&state)) << "the dead say nothing more";
+  EXPECT_FALSE(bench.software.nextReturned(&state)) << "an ended program reports nothing more";
 }
 
 TEST(FaultSites, AProgramCanCrashOrHang) {

@@ -7,7 +7,7 @@
 #include "raven/stop_search.h"
 #include "unit/raven/raven_fixture.h"
 
-// Homing `full` and `quick`, and an emergency stop during them. The program gives up what it found; the next INIT
+// Homing `full` and `quick`, and an emergency stop during them. The program discards the found stops; the next INIT
 // begins from where the arms are then (raven2.md 4.4).
 
 namespace raven2_trainer::raven {
@@ -22,7 +22,7 @@ constexpr JointArray kSpeed{-10 * kDegree, 10 * kDegree, 0.02, 80 * kDegree, 40 
 constexpr JointArray kStops{0.0, 137.5 * kDegree, 0.562, 330 * kDegree, 100 * kDegree, 120 * kDegree, 120 * kDegree};
 constexpr int kWait = 1000, kSettle = 200;  // [cycles]
 
-/** Joints without mass. They follow the desired joints up to the hard stop; the rest of the way gives the demand. */
+/** Joints without mass. They follow the desired joints up to the hard stop; the remaining distance gives the demand. */
 struct Joints {
   JointArray q;       ///< [rad; m] true
   JointArray bias{};  ///< [rad; m] error of the software's joint positions

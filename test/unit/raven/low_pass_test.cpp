@@ -47,7 +47,7 @@ TEST(StateEstimator, TakesOffsetsAndRestsThere) {
         EXPECT_NEAR(estimator.mvel()[j], 0.0, 0.02);
       }
     }
-    counts.fill(1400);  // a tenth of a turn
+    counts.fill(1400);  // a tenth of a revolution
     for (int k = 0; k < 100; ++k)
       estimator.update(counts);
     EXPECT_NEAR(estimator.mpos()[kShoulder] - 2.5, encoderSign(Arm::kGold, kShoulder) * 0.2 * kPi, 1e-4);

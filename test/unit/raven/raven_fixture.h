@@ -27,7 +27,7 @@ inline VirtualRavenConfig quickHoming() {
   return config;
 }
 
-/** The control software in front of boards whose motors stand where the test puts them. */
+/** The control software in front of boards whose motors are where the test puts them. */
 class Bench {
  public:
   explicit Bench(const VirtualRavenConfig& config = quickHoming())

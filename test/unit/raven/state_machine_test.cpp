@@ -15,7 +15,7 @@ void read(StateMachine* machine, RunLevel gold, RunLevel green) {
   machine->follow(StateMachine::levelOf(pinsOf(gold), pinsOf(green)));
 }
 
-/** What the PLC is told when nothing is amiss. */
+/** The output pins to the PLC when nothing is wrong. */
 std::uint8_t outputPins(StateMachine* machine, bool pedal) {
   return machine->outputPins({pedal, machine->runLevel(), machine->initialized()});
 }

@@ -12,7 +12,7 @@
 namespace raven2_trainer::recording {
 namespace {
 
-/** Path of the file of that name's start that the kernel has mapped into this process; empty: none. */
+/** Path of a mapped file of this process whose name begins with `start`; empty: no such file is mapped. */
 std::string mappedFile(const std::string& start) {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -30,7 +30,7 @@ TEST(BuildIdentity, NamesTheLibrariesThatASimulationComputesWith) {
   EXPECT_EQ(identity.count("libOSMesa") + identity.count("libLLVM"), 0U) << "they decide over pixels alone";
 }
 
-/** What it says of a library: its line behind the name. */
+/** The identity's line of a library, without the library's name. */
 std::string entryOf(const std::string& identity, const std::string& library) {
   std::istringstream lines(identity);
   for (std::string line; std::getline(lines, line);) {
@@ -53,7 +53,7 @@ bool hasBuildId(const std::string& path, const std::string& digits) {
 TEST(PictureIdentity, NamesTheLibrariesThatDraw) {
   const std::string identity = pictureIdentity();
   const bool has_osmesa = entryOf(identity, "opengl") == "OSMesa";
-  ASSERT_NE(mappedFile(has_osmesa ? "libOSMesa.so" : "libEGL_mesa.so"), "") << "what draws is loaded with it";
+  ASSERT_NE(mappedFile(has_osmesa ? "libOSMesa.so" : "libEGL_mesa.so"), "") << "the drawing library must be loaded";
   for (const auto& [library, start] : {std::pair{"libOSMesa", "libOSMesa.so"},
                                        {"libEGL_mesa", "libEGL_mesa.so"},
                                        {"libLLVM", "libLLVM-"},

@@ -84,7 +84,7 @@ TEST_F(FinishSession, GivesUpWhenItIsTold) {
 
 TEST_F(FinishSession, SaysSoWhereThereIsNoScore) {
   const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "none"});
-  std::ofstream(index()) << "[]";  // somebody else's
+  std::ofstream(index()) << "[]";  // a file of another program
   EXPECT_FALSE(finishSession(paths));
   EXPECT_FALSE(finishSession({(folder_ / "nowhere").string()}));
   EXPECT_FALSE(lacksScore({(folder_ / "nowhere").string()}));

@@ -88,7 +88,7 @@ TEST_F(RecorderTest, SaysInTheLogExactlyWhatAFullDiskCost) {
   EXPECT_EQ(shared.recorder.load().failing, 0);
   push(5);
   recorder->finish(SessionCounts{});
-  // THEN all but what did not fit in the queues is there, and the log says so
+  // THEN all records are there except those that did not fit in the queues, and the log says so
   const session::LogSummary summary = read();
   EXPECT_TRUE(summary.clean);
   EXPECT_EQ(summary.bad_bytes, 0u);
@@ -106,7 +106,7 @@ TEST_F(RecorderTest, CountsAsDroppedWhatTheDiskNeverTook) {
   push(100);
   recorder->drain(kSecond);
   push(1000);
-  // GIVEN a disk with room for the end of the log, and not for what waits
+  // GIVEN a disk with room for the end of the log, but not for the waiting records
   limitFileSize(fs::file_size(paths.log()) + 65536);
   recorder->finish(sharedCounts(shared));
   SessionCounts counts;
@@ -198,7 +198,7 @@ TEST_F(RecorderTest, DescribesInTheHeaderWhatIsTrained) {
   EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.video_height, config.render.video_width);
 }
 
-/** Resimulation, scores and videos read the session's copy: it holds what ran, and its hashes are not the files'. */
+/** Resimulation, scores and videos read the session's copy: it holds what ran, so its hashes differ from the files'. */
 TEST_F(RecorderTest, TheCopyOfTheConfigurationHoldsWhatParametersOverride) {
   const std::string root = RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml";
   const TrainerConfig other = config::loadTrainerConfig(root, {}, {{"haptics/tolerance", "0.005", "a parameter"}});

@@ -49,7 +49,7 @@ TEST_F(ReferencePathsTest, AreHardlyLongerThanTheLineWhereThatIsFree) {
   EXPECT_LT(training::lengthOf(way), 1.25 * line);  // straight in joints, not for the tip
 }
 
-/** The ways of the ring in physics: taken from its stand, handed over, put over a tower. */
+/** The ring's transits in physics: taken from `ring_stand`, handed over, put over a tower. */
 std::vector<training::Transit> carryTheRing(const TrainerConfig& config) {
   namespace grasp = raven2_trainer::testing;
   grasp::useOde();
@@ -96,7 +96,7 @@ TEST_F(ReferencePathsTest, OfARingThatIsCarriedAreShorterThanItsWays) {
   ASSERT_TRUE(economy.ratio);
   EXPECT_GT(*economy.ratio, 0.5);
   EXPECT_LE(*economy.ratio, 1.0);
-  EXPECT_LT(*economy.off_path, 0.03) << "[m] hands that carry it from where it was to where it belongs";
+  EXPECT_LT(*economy.off_path, 0.03) << "[m] the ring goes straight to its place";
 }
 
 TEST_F(ReferencePathsTest, OfAPlaceOutOfReachAreNone) {

@@ -17,7 +17,7 @@ session::LogHeader header() {
   return out;
 }
 
-/** The pedal is down from the first tick on unless told otherwise. */
+/** A record of a tick, with the pedal down unless `pedal` is false. */
 TickRecord tickAt(Tick session_tick, bool pedal = true) {
   TickRecord record;
   record.model.session_tick = session_tick;
@@ -46,7 +46,7 @@ using Told = std::vector<std::string>;
 
 TEST(ChapterList, StepsHazardsAndThePedalAreTold) {
   ChapterList list;
-  list.add(eventAt(-2000, ExerciseEventKind::kStarted));  // before the session
+  list.add(eventAt(-2000, ExerciseEventKind::kStarted));  // from before the session
   for (Tick t = 0; t < 10'000; ++t) {
     if (t == 1500) list.add(eventAt(t, ExerciseEventKind::kBegan));
     if (t == 4000) list.add(eventAt(t, ExerciseEventKind::kStepDone, 1));
@@ -86,7 +86,7 @@ TEST(ChapterList, APartOfASessionHasItsOwnTimes) {
 }
 
 TEST(ChapterList, APedalThatIsPressedOftenIsNoChapter) {
-  for (const Tick period : {1000, 900}) {  // 20 changes, and 23
+  for (const Tick period : {1000, 900}) {  // 20 changes and 23 changes
     ChapterList list;
     for (Tick t = 0; t < 20 * 1000; ++t)
       list.add(tickAt(t, t / period % 2 == 0));
@@ -133,14 +133,14 @@ TEST(ChapterList, StopsLostTimeAndPlansAreTold) {
 }
 
 TEST(ChapterList, EventsBeforeAndBehindAPauseAreWhereTheyWereInTheSession) {
-  constexpr Tick kPause = 4000;  // from session tick 2000 on
+  constexpr Tick kPause = 4000;  // begins at session tick 2000
   ChapterList list;
   for (Tick t = 0; t < 9000; ++t) {
     TickRecord record = tickAt(t < 2000 ? t : std::max<Tick>(1999, t - kPause));
     record.model.tick = kOrigin + t;
     list.add(record);
   }
-  list.add(eventAt(1000, ExerciseEventKind::kBegan));  // on the model's clock; records of events may be late
+  list.add(eventAt(1000, ExerciseEventKind::kBegan));  // times are on the model's clock; event records may be late
   list.add(eventAt(3000 + kPause, ExerciseEventKind::kDone));
   EXPECT_EQ(told(list.chapters(header(), kAll)),
             (Told{"0 Beginning, Pedal down", "1000 Exercise begins", "3000 Exercise done"}));

@@ -13,7 +13,7 @@ namespace {
 
 using Rgb = std::array<double, 3>;
 
-/** A picture with alpha, to be smoothed. */
+/** A picture with alpha, the input of the smoother. */
 struct Picture {
   Picture(int picture_width, int picture_height)
       : width(picture_width), height(picture_height), rgba(static_cast<std::size_t>(4 * width * height), 255) {}
@@ -39,7 +39,7 @@ struct Picture {
   std::vector<std::uint8_t> rgba;
 };
 
-/** Two colours, parted by a straight line. */
+/** Two colours with a straight line between them. */
 Picture edge(int width, int height, double slope, const std::array<int, 3>& above, const std::array<int, 3>& below) {
   Picture picture(width, height);
   for (int y = 0; y < height; ++y) {
@@ -65,20 +65,20 @@ Rgb bilinear(Picture* picture, double x, double y) {
   return sum;
 }
 
-/** Mean of taps at so much of the step to either side. */
+/** Mean of the two taps at (dx, dy) to either side. */
 Rgb taps(Picture* picture, int x, int y, double dx, double dy) {
   const Rgb a = bilinear(picture, x - dx, y - dy), b = bilinear(picture, x + dx, y + dy);
   return {(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0, (a[2] + b[2]) / 2.0};
 }
 
-/** What may become of a pixel. */
+/** The values that a smoothed pixel may have. */
 struct Smoothed {
-  Rgb near{}, all{};  ///< of two taps, of four
+  Rgb near{}, all{};  ///< mean of two taps, of four
   bool may_be_near{}, may_be_all{};
 };
 
-/** By the published formula (FXAA 1, "console"), in floating point: all four taps, but where they bring a brightness
- * that is not there the near ones alone. Both, where rounding decides. */
+/** The published formula (FXAA 1, "console") in floating point: the mean of all four taps, or of the near two alone if
+ *  the four give a brightness outside that of the neighbours. Where rounding decides, both are allowed. */
 Smoothed expected(Picture* picture, int x, int y) {
   const double nw = picture->brightness(x - 1, y - 1), ne = picture->brightness(x + 1, y - 1);
   const double sw = picture->brightness(x - 1, y + 1), se = picture->brightness(x + 1, y + 1);
@@ -90,7 +90,7 @@ Smoothed expected(Picture* picture, int x, int y) {
   const Rgb all{(near[0] + far[0]) / 2.0, (near[1] + far[1]) / 2.0, (near[2] + far[2]) / 2.0};
   const double brightness = (77.0 * all[0] + 150.0 * all[1] + 29.0 * all[2]) / 256.0;
   const auto [low, high] = std::minmax({nw, ne, sw, se, picture->brightness(x, y)});
-  constexpr double kRounding = 4.0;  // as isNear(), and one for the brightness
+  constexpr double kRounding = 4.0;  // the tolerance of isNear(), and one for the brightness
   return {near, all, brightness < low + kRounding || brightness > high - kRounding,
           brightness > low - kRounding && brightness < high + kRounding};
 }
@@ -117,7 +117,7 @@ TEST(EdgeSmoother, APictureWithoutEdgesStaysAsItIs) {
   EXPECT_EQ(picture.smoothed(), picture.plain());
 }
 
-/** How many pixels there were of each kind, where rounding does not decide. */
+/** Counts of the pixels of each kind for which rounding does not decide. */
 struct Kinds {
   int near{0}, all{0};
 };
@@ -129,7 +129,8 @@ Kinds expectFormula(Picture picture) {
     for (int x = 0; x < picture.width; ++x) {
       const auto at = static_cast<std::size_t>(3 * (y * picture.width + x));
       if (!isEdge(&picture, x, y)) {
-        EXPECT_TRUE(std::equal(&plain[at], &plain[at] + 3, &smoothed[at])) << "no edge at " << x << " " << y;
+        EXPECT_TRUE(std::equal(&plain[at], &plain[at] + 3, &smoothed[at]))
+            << "a pixel without an edge must not change: " << x << " " << y;
         continue;
       }
       const Smoothed due = expected(&picture, x, y);
@@ -152,7 +153,7 @@ TEST(EdgeSmoother, PixelsAtEdgesAreThoseOfTheFormulaAndOthersStay) {
   EXPECT_GT(all, 20);
 }
 
-/** An edge of two greys, crossed by bright lines that only the far taps of pixels two beside them reach. */
+/** An edge of two greys, crossed by bright lines. Only the far taps of pixels two columns away reach the lines. */
 TEST(EdgeSmoother, TapsThatLeaveTheEdgeAreNotTaken) {
   Picture picture = edge(43, 30, 0.0, {100, 100, 100}, {130, 130, 130});
   for (int x = 0; x < picture.width; x += 5) {
@@ -169,7 +170,7 @@ TEST(EdgeSmoother, AStairStepGetsInBetweenColours) {
   EXPECT_GT(between, 64);
 }
 
-/** Smoothed into memory that was filled with a value, so much of it beside the picture on both sides. */
+/** Smooths into memory filled with a value, with `guard` bytes before and after the picture. */
 std::vector<std::uint8_t> guarded(const Picture& picture, std::uint8_t filling, std::size_t guard) {
   std::vector<std::uint8_t> bytes(picture.rgba.size() / 4 * 3 + 2 * guard, filling);
   EdgeSmoother(picture.width, picture.height).smooth(picture.rgba.data(), bytes.data() + guard);
@@ -185,7 +186,7 @@ TEST(EdgeSmoother, PicturesOfAnySizeAreSmoothedWithinTheirBounds) {
       EXPECT_EQ(std::count(first.begin(), first.begin() + kGuard, 0xA5), kGuard) << width << " " << height;
       EXPECT_EQ(std::count(first.end() - kGuard, first.end(), 0xA5), kGuard) << width << " " << height;
       EXPECT_TRUE(std::equal(first.begin() + kGuard, first.end() - kGuard, second.begin() + kGuard))
-          << "all of it is written: " << width << " " << height;
+          << "the smoother must write every byte: " << width << " " << height;
     }
   }
 }

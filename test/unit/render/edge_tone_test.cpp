@@ -29,7 +29,7 @@ TickRecord tickAt(Tick session_tick, Arm arm, IkStatus status, Mode mode = Mode:
   return record;
 }
 
-/** Tones of ten seconds of which `at_edge` says whether the green arm is at its edge. */
+/** Tones of ten seconds in which the green arm is at its edge whenever `at_edge` is true. */
 Times tones(const std::function<bool(Tick)>& at_edge, std::int64_t from = 0, std::int64_t to = 10'000) {
   EdgeTone tone;
   for (Tick t = -500; t < 10'000; ++t)
@@ -80,7 +80,7 @@ class WriteTonesTest : public ::testing::Test {
  protected:
   ~WriteTonesTest() override { std::filesystem::remove(path_); }
 
-  /** Samples of the file that writeTones() makes; its head is checked on the way. */
+  /** Checks the header of the file that writeTones() makes. @return the file's samples. */
   std::vector<std::int16_t> written(const Times& tones, std::int64_t length) {
     writeTones(path_, tones, length);
     std::ifstream file(path_, std::ios::binary);

@@ -120,7 +120,7 @@ TEST(FrameTimeline, TheFaultIsNamedWhileItActs) {
   const auto frames = timeline.frames({"sudden_jump", "stuck"});
   EXPECT_EQ(frames[1].fault, "");
   EXPECT_EQ(frames[2].fault, "stuck");
-  EXPECT_EQ(frames[4].fault, "unknown") << "a number that the log does not name";
+  EXPECT_EQ(frames[4].fault, "unknown") << "the log has no name for this number";
 }
 
 TEST(FrameTimeline, AFaultOfAMillisecondIsNamedForTwoSeconds) {
@@ -128,7 +128,7 @@ TEST(FrameTimeline, AFaultOfAMillisecondIsNamedForTwoSeconds) {
     FrameTimeline timeline(fps, 0.0, -1.0);
     for (Tick t = 0; t < 4000; ++t) {
       TickRecord record = tickAt(t);
-      record.robot.active_fault = t == 1001 ? 1 : 0;  // between two frames at each of the rates
+      record.robot.active_fault = t == 1001 ? 1 : 0;  // between two frames at each frame rate
       timeline.add(record);
     }
     const auto frames = timeline.frames({"sudden_jump"});
@@ -138,7 +138,7 @@ TEST(FrameTimeline, AFaultOfAMillisecondIsNamedForTwoSeconds) {
     }
     const auto rate = static_cast<std::size_t>(fps);
     ASSERT_EQ(named.size(), 2 * rate) << fps;
-    EXPECT_EQ(named.front(), rate + 1) << "the first frame that is not before it";
+    EXPECT_EQ(named.front(), rate + 1) << "the first frame that is not before the fault";
     EXPECT_EQ(named.back(), 3 * rate);
   }
 }
@@ -184,7 +184,7 @@ TEST(FrameTimeline, NewsOfPlansComeWithTheTickThatHeardOfThem) {
     EXPECT_EQ(frames[k].plans.path->id, paths[k]) << k;
     EXPECT_EQ(frames[k].plans.execution != nullptr, k >= 3) << k;
   }
-  EXPECT_EQ(frames[2].plans.path.get(), frames[5].plans.path.get()) << "one copy, however many frames show it";
+  EXPECT_EQ(frames[2].plans.path.get(), frames[5].plans.path.get()) << "all frames share one copy";
 }
 
 TEST(FrameTimeline, NewsOfPlansMayComeInAnyOrder) {
@@ -210,7 +210,7 @@ TEST(FrameTimeline, ContactsAreThoseOfTheTickThatIsShown) {
     record.f_W = {-newton, 0.0, 0.0};
     timeline.add(record, tools);
   };
-  touch(0, 1, 9.0);  // before any tick is known
+  touch(0, 1, 9.0);  // before the first tick
   for (Tick t = 0; t < 40; ++t) {
     timeline.add(tickAt(t));
     if (t < 20) touch(t, 1, 1.0 + static_cast<double>(t));
@@ -221,15 +221,15 @@ TEST(FrameTimeline, ContactsAreThoseOfTheTickThatIsShown) {
   const auto frames = timeline.frames({});
   ASSERT_EQ(frames.size(), 4U);
   EXPECT_EQ(frames[0].contact_W[0][0], 1.0);
-  EXPECT_EQ(frames[1].contact_W[0][0], 11.5) << "all of the tick, none of those before";
+  EXPECT_EQ(frames[1].contact_W[0][0], 11.5) << "the sum of this tick's contacts alone";
   EXPECT_EQ(frames[1].contact_W[1][0], 2.0);
   EXPECT_EQ(frames[2].contact_W[0][0], 0.0) << "the touch ended at tick 19";
-  EXPECT_EQ(frames[3].contact_W[1][0], 0.0) << "over, too";
+  EXPECT_EQ(frames[3].contact_W[1][0], 0.0) << "this touch has ended too";
 }
 
 TEST(FrameTimeline, ForcesAreWhereTheyWereInTheSessionThoughItWasPaused) {
   FrameTimeline timeline(100, 0.0, -1.0);
-  for (Tick t = 0; t < 60; ++t) {  // paused for 20 ticks from session tick 19 on
+  for (Tick t = 0; t < 60; ++t) {  // a pause of 20 ticks at session tick 19
     TickRecord record = tickAt(t < 20 ? t : std::max<Tick>(19, t - 20));
     record.model.tick = kOrigin + t;
     timeline.add(record);

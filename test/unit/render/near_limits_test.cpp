@@ -50,7 +50,7 @@ TEST_F(NearLimits, TheWallStandsWhereTheInsertionEnds) {
   there[kInsertion] = 0.56;
   const Vector3 stopped_W = X_WB_[1] * kinematics::forward(geometry_, Arm::kGreen, there).p;
   ASSERT_TRUE(limit.is_wall);
-  EXPECT_LT((limit.p_W - stopped_W).norm(), 1e-9) << "a straight way";
+  EXPECT_LT((limit.p_W - stopped_W).norm(), 1e-9) << "the insertion moves the tip straight";
   const Vector3 tip_W = X_WB_[1] * kinematics::forward(geometry_, Arm::kGreen, green()).p;
   EXPECT_LT((limit.along_W - (stopped_W - tip_W).normalized()).norm(), 1e-6);
 }
@@ -81,13 +81,13 @@ TEST_F(NearLimits, BeyondALimitNothingGrowsFurther) {
 
 TEST_F(NearLimits, TheEdgeOfTheMastersWorkspaceIsToldWhileItActs) {
   snapshot_.haptic.hand_I[0] = {0.0, -0.075, 0.0};  // 5 mm before the left face
-  EXPECT_TRUE(limits().empty()) << "it is off";
+  EXPECT_TRUE(limits().empty()) << "the edge is off";
   edge_.enabled = true;
   ASSERT_EQ(limits().size(), 1U);
   EXPECT_EQ(limits()[0].text, "gold  hand      at the edge, left");
   EXPECT_NEAR(limits()[0].nearness, 0.5, 1e-9);
   snapshot_.model.pedal = 0;
-  EXPECT_TRUE(limits().empty()) << "the hand moves nothing";
+  EXPECT_TRUE(limits().empty()) << "with the pedal up the hand moves nothing";
 }
 
 TEST_F(NearLimits, WhatIsNotFiniteHasNoLimit) {
@@ -99,7 +99,7 @@ TEST_F(NearLimits, WhatIsNotFiniteHasNoLimit) {
   }
   green() = {-0.3, 1.6, std::numeric_limits<double>::quiet_NaN(), 0.0, 0.0, 0.8, 0.8};
   ASSERT_EQ(limits().size(), 1U);
-  EXPECT_FALSE(limits()[0].is_wall) << "nobody knows where the tip is";
+  EXPECT_FALSE(limits()[0].is_wall) << "the tip's position is unknown";
 }
 
 }  // namespace

@@ -69,7 +69,8 @@ TEST(OverlayPainter, ASmallPictureHasTheBriefLinesAndStaysVisible) {
   }
   overlay.brief.clear();
   const OverlayPainter painter(320, 180);
-  EXPECT_GT(painter.panelRegion(overlay).bottom, painter.panelRegion(brief).bottom) << "nothing briefer is known";
+  EXPECT_GT(painter.panelRegion(overlay).bottom, painter.panelRegion(brief).bottom)
+      << "without a brief text the whole text is drawn";
 }
 
 TEST(OverlayPainter, AnEmptyOverlayChangesNothing) {
@@ -125,7 +126,7 @@ TEST(OverlayPainter, WarningsStandBelowTheLinesInAmber) {
     for (int x = 0; x < kWidth; ++x) {
       if (!is_amber(&rgb[3 * static_cast<std::size_t>(y * kWidth + x)])) continue;
       ++amber;
-      EXPECT_GT(2 * y, plain.bottom) << "below the line";
+      EXPECT_GT(2 * y, plain.bottom) << "amber only below the line";
     }
   }
   EXPECT_GT(amber, 20);

@@ -99,14 +99,14 @@ TEST(OverlayText, TheAgeOfTheRobotsStateIsToldAndStaleBeyondItsLimit) {
   s.robot.received_ns = s.model.time_ns - 20'100'000;
   EXPECT_TRUE(hasLine(describe(s, gains()), "latency", " 20.1 ms STALE"));
   s.robot.frame = 0;
-  EXPECT_FALSE(hasLine(describe(s, gains()), "latency", "ms")) << "there is none";
+  EXPECT_FALSE(hasLine(describe(s, gains()), "latency", "ms")) << "without a robot's frame there is no latency";
 }
 
 TEST(OverlayText, TheTimerTellsStepTimeMistakesAndHowItEnded) {
   SceneOptions options(gains());
   options.exercise_steps = 12;
   Snapshot s = teleoperating();
-  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "")) << "there is none";
+  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "")) << "the session has no exercise";
   s.model.tick = 20'000;
   s.model.exercise.status = ExerciseStatus::kRunning;
   s.model.exercise.step = 3;
@@ -119,13 +119,13 @@ TEST(OverlayText, TheTimerTellsStepTimeMistakesAndHowItEnded) {
   s.model.exercise.ended = 17'500;
   s.model.exercise.mistakes = {1, 0, 0, 0, 0, 0};
   EXPECT_TRUE(hasLine(describe(s, options), "exercise", "done"));
-  EXPECT_TRUE(hasLine(describe(s, options), "  ", "10.0 s, 1 mistake")) << "it stands";
+  EXPECT_TRUE(hasLine(describe(s, options), "  ", "10.0 s, 1 mistake")) << "the timer has stopped";
   s.verdict.passed = false;
   s.verdict.composite = 0.857;
   EXPECT_TRUE(hasLine(describe(s, options), "exercise", "done, not passed, score 86 %"));
-  EXPECT_EQ(describe(s, options).banner, "") << "done is no failure";
+  EXPECT_EQ(describe(s, options).banner, "") << "an exercise that is done has not failed";
   s.model.exercise.status = ExerciseStatus::kRunning;
-  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "score")) << "not before the end";
+  EXPECT_FALSE(hasLine(describe(s, options), "exercise", "score")) << "no score before the end";
   s.verdict = {};
   s.model.exercise.status = ExerciseStatus::kFailed;
   s.model.exercise.failure = ExerciseFailure::kTimeLimit;
@@ -133,7 +133,7 @@ TEST(OverlayText, TheTimerTellsStepTimeMistakesAndHowItEnded) {
   EXPECT_EQ(describe(s, options).banner, "ATTEMPT FAILED: time limit");
   s.fault = "sudden_jump";
   EXPECT_NE(describe(s, options).banner.find("sudden_jump"), std::string::npos)
-      << "a fault that still acts comes first";
+      << "the banner shows an active fault first";
   s.fault.clear();
   s.model.exercise.began = -1;
   EXPECT_TRUE(hasLine(describe(s, options), "  ", "not begun, 1 mistake"));
@@ -158,9 +158,10 @@ TEST(OverlayText, EachPartStandsUnderItsName) {
   EXPECT_EQ(only(OverlayKind::kTimer).lines.size(), 2U);
   EXPECT_TRUE(only(OverlayKind::kForceBars).has_bars);
   EXPECT_EQ(only(OverlayKind::kHazard).banner, "FAULT: sudden_jump");
-  EXPECT_TRUE(only(OverlayKind::kStatus).banner.empty()) << "the trainee shall not read it";
+  EXPECT_TRUE(only(OverlayKind::kStatus).banner.empty()) << "the trainee must not read the fault's name";
   s.is_substitute = true;
-  EXPECT_TRUE(hasLine(describe(s, SceneOptions(gains(), OverlaySet())), "camera", "STALE")) << "whatever is asked for";
+  EXPECT_TRUE(hasLine(describe(s, SceneOptions(gains(), OverlaySet())), "camera", "STALE"))
+      << "whatever overlays are chosen";
 }
 
 TEST(OverlayText, TheBannerSaysWhatAFaultDoesToTheTraineesPicture) {
@@ -174,7 +175,7 @@ TEST(OverlayText, TheBannerSaysWhatAFaultDoesToTheTraineesPicture) {
   set(PictureFault::kEyesSwapped);
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, eyes changed over");
   set(static_cast<PictureFault>(200));
-  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze") << "of no log that is whole";
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze") << "an intact log has no such value";
   set(PictureFault::kNone);
   s.model.faults.picture_delay_ms = 500;
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture 500 ms late");

@@ -29,7 +29,7 @@ class PartPoolTest : public ::testing::Test {
   }
   ~PartPoolTest() override { fs::remove_all(folder_); }
 
-  /** A part writes the process that drew it into a file; part `bad` cannot be drawn. */
+  /** Each part writes the ID of its process into a file. Part `bad` cannot be drawn. */
   MakeDrawPart writer(std::size_t bad = 1000) const {
     return [this, bad]() -> DrawPart {
       return [this, bad](std::size_t part, const FrameDone& done) {
@@ -85,7 +85,7 @@ TEST_F(PartPoolTest, ASinglePartIsNotDrawnHereEitherWhereMoreProcessesAreAllowed
   EXPECT_NE(drawn(3)[0], ::getpid());
 }
 
-/** What drawParts says of its failure. */
+/** The message with which drawParts fails. */
 std::string reasonOf(const Numbers& parts, int processes, const MakeDrawPart& make) {
   try {
     drawParts(parts, processes, make, nullptr);
@@ -108,7 +108,7 @@ TEST_F(PartPoolTest, ReasonsOfAnyLengthAndThoseOfOurOwnExceptionsAreToldOnce) {
   const auto failing = [](const std::string& why) -> MakeDrawPart {
     return [why]() -> DrawPart { throw RenderException(why); };
   };
-  EXPECT_EQ(reasonOf({0, 1}, 2, failing("no ffmpeg")), "raven2_trainer: no ffmpeg") << "both fail, one is told";
+  EXPECT_EQ(reasonOf({0, 1}, 2, failing("no ffmpeg")), "raven2_trainer: no ffmpeg") << "both fail, one is reported";
   const std::string cut = reasonOf({0}, 2, failing(std::string(5000, 'x')));
   EXPECT_GT(cut.size(), 500U);
   EXPECT_LT(cut.size(), 5000U);
@@ -142,7 +142,7 @@ TEST_F(PartPoolTest, ItsProcessesEndWhenNobodyListensAnyLonger) {
   for (std::size_t i = 0; i < parts.size(); ++i)
     parts[i] = i;
   const MakeDrawPart busy = [] { return [](std::size_t, const FrameDone& done) { done(); }; };
-  // Comes back only if the processes, which have most of their parts before them, end.
+  // Returns only if the processes end although most of their parts are still to be drawn.
   EXPECT_THROW(drawParts(parts, 2, busy, [] { throw std::runtime_error("enough"); }), std::runtime_error);
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD) << "no process is left";

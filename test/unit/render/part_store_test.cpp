@@ -25,7 +25,7 @@ class PartStoreTest : public ::testing::Test {
 
   std::string folder() const { return folder_.string(); }
 
-  /** Parts of these numbers, each with a text of its own. */
+  /** Keeps parts of these numbers, each with a different text. */
   void fill(const std::string& settings, std::size_t count, const Numbers& numbers) {
     const PartStore store(folder(), settings, count);
     for (const std::size_t k : numbers)
@@ -53,7 +53,7 @@ TEST_F(PartStoreTest, WhatWasKeptIsThereTheNextTime) {
   fill("a", 5, {1, 4});
   PartStore store(folder(), "a", 5);
   EXPECT_EQ(store.missing(), (Numbers{0, 2, 3}));
-  EXPECT_THROW(store.names(), RenderException) << "not all are there";
+  EXPECT_THROW(store.names(), RenderException) << "some parts are missing";
   for (const std::size_t k : {0, 2, 3})
     keep(store, k);
   const auto names = store.names();
@@ -94,7 +94,7 @@ TEST_F(PartStoreTest, APartOfHalfItsLengthIsNotUsed) {
   fill("a", 3, {0, 1, 2});
   fs::resize_file(partFile(2), fs::file_size(partFile(2)) / 2);
   EXPECT_EQ(PartStore(folder(), "a", 3).missing(), Numbers{2});
-  EXPECT_EQ(partFile(2), fs::path()) << "it is removed";
+  EXPECT_EQ(partFile(2), fs::path()) << "the part is removed";
 }
 
 TEST_F(PartStoreTest, APartBeyondTheLastIsNotUsed) {
@@ -128,7 +128,7 @@ TEST_F(PartStoreTest, OneProcessAtATime) {
 }
 
 TEST_F(PartStoreTest, ManyPartsHaveTheirNumbers) {
-  const std::size_t count = 123'457;  // longer than the number's usual width
+  const std::size_t count = 123'457;  // more digits than the usual width of a number
   { keep(PartStore(folder(), "a", count), count - 1); }
   const auto missing = PartStore(folder(), "a", count).missing();
   EXPECT_EQ(missing.size(), count - 1);
@@ -145,12 +145,12 @@ TEST_F(PartStoreTest, RemovesItsFolder) {
 }
 
 TEST_F(PartStoreTest, AFolderOfSomebodyElsesFilesIsRefusedAndLeftAsItIs) {
-  fs::create_directories(folder() + "/draft_00000_1");  // a folder, whatever its name
+  fs::create_directories(folder() + "/draft_00000_1");  // a folder with the name of a draft
   std::ofstream(folder() + "/slides.pdf") << "of a talk";
   std::ofstream(folder() + "/part_one.mp4") << "of a talk";
   try {
     PartStore(folder(), "a", 1);
-    FAIL() << "not refused";
+    FAIL() << "the folder was accepted";
   } catch (const RenderException& e) {
     EXPECT_NE(std::string(e.what()).find(folder() + ": is no folder of a video's parts"), std::string::npos)
         << e.what();
@@ -168,12 +168,12 @@ TEST_F(PartStoreTest, WhatSomebodyPutBesideThePartsStays) {
   std::ofstream(notes) << "somebody's own";
   std::ofstream(inner) << "somebody's own";
   PartStore store(folder(), "b", 2);
-  EXPECT_EQ(partFile(0), fs::path()) << "a part of other settings";
+  EXPECT_EQ(partFile(0), fs::path()) << "the part of other settings is removed";
   store.remove();
   EXPECT_TRUE(fs::exists(notes));
   EXPECT_TRUE(fs::exists(inner));
   EXPECT_FALSE(fs::exists(folder() + "/lock"));
-  EXPECT_THROW(PartStore(folder(), "b", 2), RenderException) << "it is no folder of ours any longer";
+  EXPECT_THROW(PartStore(folder(), "b", 2), RenderException) << "the folder is no longer a store of parts";
 }
 
 TEST_F(PartStoreTest, WhatAKilledRendersFfmpegWroteLaterOnIsNoReasonToRefuse) {
@@ -183,7 +183,7 @@ TEST_F(PartStoreTest, WhatAKilledRendersFfmpegWroteLaterOnIsNoReasonToRefuse) {
   EXPECT_FALSE(fs::exists(folder() + "/whole_4711.mp4"));
 }
 
-/** A process that opens the store and removes it, again and again; it ends with 1 if it is not alone in it. */
+/** Starts a process that opens and removes the store repeatedly. It exits with 1 if another one is in the store. */
 pid_t startVisitor(const std::string& folder, int visits) {
   const pid_t id = fork();
   if (id != 0) return id;
@@ -198,7 +198,7 @@ pid_t startVisitor(const std::string& folder, int visits) {
       unlink(alone.c_str());
       store.remove();
       ++done;
-    } catch (const RenderException&) {  // another one is in it
+    } catch (const RenderException&) {  // another process is in the store
     }
   }
   _exit(0);
@@ -212,7 +212,7 @@ TEST_F(PartStoreTest, ALockOfAFolderThatWasRemovedKeepsNobodyOutAndLetsNobodyIn)
   for (const pid_t visitor : visitors) {
     int status = 0;
     ASSERT_EQ(waitpid(visitor, &status, 0), visitor);
-    EXPECT_EQ(status, 0) << "two were in it at once";
+    EXPECT_EQ(status, 0) << "two processes were in the store at once";
   }
   EXPECT_FALSE(fs::exists(folder()));
   fs::remove(folder() + ".alone");

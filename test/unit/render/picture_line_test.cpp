@@ -25,7 +25,7 @@ TEST(PictureLine, WithoutAFaultTheNewestIsSeen) {
   }
   Snapshot again = at(990);
   again.is_substitute = true;
-  EXPECT_TRUE(line.pass(again).is_substitute) << "the same tick, newly told";
+  EXPECT_TRUE(line.pass(again).is_substitute) << "the same tick with new content";
 }
 
 TEST(PictureLine, FrozenItStandsAtTheLastPictureAndGoesOnWithTheNewest) {
@@ -106,7 +106,7 @@ TEST(PictureLine, EyesThatAreChangedOverSeeFromEachOthersPlace) {
   right.vertical_fov = 0.8;
   right.aside = 0.01;
   const auto across = [&](const Snapshot& s) { return cameraSeeing(s, right, {}, 320, 240).X_WC.p.y(); };
-  EXPECT_NEAR(across(line.pass(at(0))), -0.01, 1e-12) << "it looks along x: its right is -y";
+  EXPECT_NEAR(across(line.pass(at(0))), -0.01, 1e-12) << "the camera looks along x: its right is -y";
   EXPECT_NEAR(across(line.pass(at(33, kEyesSwapped))), 0.01, 1e-12);
   EXPECT_NEAR(across(line.pass(at(66))), -0.01, 1e-12);
 }

@@ -9,8 +9,8 @@ namespace raven2_trainer::render {
 
 constexpr std::uint32_t kPlan = 41;  // id
 
-/** Three waypoints of an arm from its home: a second outward by turning the shoulder alone, then two seconds of elbow
- *  and insertion. */
+/** A plan of three waypoints that begins at home. The first second turns the shoulder alone and moves outward. The next
+ *  two seconds move elbow and insertion. */
 inline PlanResult makePlan(const ArmGeometry& geometry, Arm arm) {
   PlanResult plan;
   plan.id = kPlan;

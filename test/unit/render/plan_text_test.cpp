@@ -67,12 +67,12 @@ TEST(PlanText, SaysHowTheExecutionEnded) {
   report(makeReport(ExecutionEnd::kReleased, 0.62), &kept);
   EXPECT_EQ(text(kept), "plan      stopped: released at 62 %");
   report(makeReport(ExecutionEnd::kFinished, 1.0), &kept);
-  EXPECT_EQ(text(kept), "plan      finished, 0.4 mm from the goal") << "the model's";
+  EXPECT_EQ(text(kept), "plan      finished, 0.4 mm from the goal") << "the model's distance";
   Snapshot gone = inState(PlanningStatus::kIdle);
   ExecutionReport on_robot = makeReport(ExecutionEnd::kFinished, 1.0);
   on_robot.on_robot = 1;
   report(on_robot, &gone);
-  EXPECT_EQ(text(gone), "plan      finished, 1.1 mm from the goal") << "the robot's";
+  EXPECT_EQ(text(gone), "plan      finished, 1.1 mm from the goal") << "the robot's distance";
   report(makeReport(ExecutionEnd::kRobotLost, 0.5), &gone);
   EXPECT_EQ(text(gone), "plan      stopped: robot lost at 50 %");
   ExecutionReport never = makeReport(ExecutionEnd::kNoPedal, 0.0);

@@ -23,7 +23,7 @@ Pose somewhere() {
   return {Eigen::AngleAxisd(0.7, Vector3(1.0, 2.0, 3.0).normalized()).toRotationMatrix(), {0.1, -0.2, 0.3}};
 }
 
-/** A share of the way from one waypoint to the next. */
+/** Joints at a share of the edge from one waypoint to the next. */
 JointArray jointsAt(const PlanResult& plan, std::size_t edge, double share) {
   JointArray q{};
   for (std::size_t j = 0; j < kJointCount; ++j)
@@ -31,7 +31,7 @@ JointArray jointsAt(const PlanResult& plan, std::size_t edge, double share) {
   return q;
 }
 
-/** [m] in W, of the tip there. */
+/** [m] in W, the tip at a share of an edge. */
 Vector3 tipAt(const PlanResult& plan, std::size_t edge, double share) {
   return somewhere() * kinematics::forward(geometry(), plan.arm, jointsAt(plan, edge, share)).p;
 }
@@ -69,7 +69,7 @@ TEST(PlannedPath, TheStopsAreTheWaypoints) {
   EXPECT_LT((path.stops()[2] - tipAt(plan, 1, 1.0)).norm(), 1e-12);
 }
 
-/** Where on the path the last triangle behind the tip ends. */
+/** The place on the path where the travelled triangles end. */
 Vector3 endOfTravelled(const model::Mesh& tube, std::uint32_t triangles) {
   const std::size_t circle = triangles / 12;  // 2 x 6 sides a piece
   Vector3 sum(0.0, 0.0, 0.0);
@@ -87,7 +87,7 @@ TEST(PlannedPath, JointsOnThePathAreWhereTheyAreOnIt) {
       EXPECT_NEAR(path.placeOf(jointsAt(plan, edge, share)), place, 1e-9);
       JointArray beside = jointsAt(plan, edge, share);
       beside[kToolRotation] += 0.05;
-      EXPECT_NEAR(path.placeOf(beside), place, 1e-9) << "moved square to the path";
+      EXPECT_NEAR(path.placeOf(beside), place, 1e-9) << "moved at a right angle to the path";
     }
   }
   JointArray before = plan.waypoints[0];
@@ -95,7 +95,7 @@ TEST(PlannedPath, JointsOnThePathAreWhereTheyAreOnIt) {
   EXPECT_EQ(path.placeOf(before), 0.0);
 }
 
-/** 20 mm of insertion are as far as 0.2 rad: half of the shoulder's 0.1 rad is a tenth of the way. */
+/** 20 mm of insertion count as 0.2 rad. So half of the shoulder's 0.1 rad is a tenth of the edge. */
 TEST(PlannedPath, TenCentimetresOfInsertionAreAsFarAsARadian) {
   PlanResult plan = makePlan(geometry(), Arm::kGreen);
   plan.waypoint_count = 2;
@@ -121,7 +121,7 @@ TEST(PlannedPath, WhatIsBehindEndsWhereTheArmIs) {
     }
   }
   const std::uint32_t first_edge = path.trianglesBefore(1.0);
-  EXPECT_LT((endOfTravelled(tube, first_edge) - tipAt(plan, 0, 1.0)).norm(), 1e-6) << "a stop ends a piece";
+  EXPECT_LT((endOfTravelled(tube, first_edge) - tipAt(plan, 0, 1.0)).norm(), 1e-6) << "a piece ends at a stop";
 }
 
 TEST(PlannedPath, AStopIsBehindOnceTheArmWasThere) {
@@ -167,7 +167,7 @@ TEST(PlanAtHand, IsTheOneThatThePlanningStateNamesOrThatGuidesTheHand) {
     EXPECT_EQ(planAtHand(snapshot) != nullptr, is_kept) << kPlanningStatusNames[status];
   }
   snapshot.model.planning.plan = kPlan + 1;
-  EXPECT_EQ(planAtHand(snapshot), nullptr) << "another plan";
+  EXPECT_EQ(planAtHand(snapshot), nullptr) << "the snapshot holds another plan";
   snapshot.model.planning.status = PlanningStatus::kIdle;
   snapshot.model.guide_plan = kPlan;
   ASSERT_NE(planAtHand(snapshot), nullptr);

@@ -46,10 +46,10 @@ TEST(Primitives, EveryPointOfATubeIsItsRadiusAwayFromTheLine) {
 }
 
 TEST(Primitives, ATubeShowsItsOutside) {
-  // A prism with a regular hexagon for its base, whose open ends lie in planes through the origin and square to it.
+  // A prism with a regular hexagon as its base. The tube has no end faces.
   const double length = 0.5, base = 1.5 * std::sqrt(3.0) * kRadius * kRadius;
   const Vector3 from(0.0, 0.0, -length / 2.0), to(0.0, 0.0, length / 2.0);
-  // The ends that are missing hold a third of the prism: each a pyramid to the origin.
+  // The missing ends account for a third of the prism: each is the base of a pyramid to the origin.
   EXPECT_NEAR(volume(makeTube({from, to}, kRadius, kSides)), base * length * 2.0 / 3.0, 1e-3 * base * length);
 }
 
@@ -70,7 +70,7 @@ TEST(Primitives, ATubeDoesNotTwistAlongItsLine) {
   const model::Mesh tube = makeTube(line, kRadius, kSides);
   for (std::size_t i = 0; i + kSides < tube.vertices.size(); ++i) {
     const double turned = toVector(tube.normals[i]).dot(toVector(tube.normals[i + kSides]));
-    EXPECT_GT(turned, std::cos(0.21)) << "more than the line itself turns in a piece, 0.2 rad";
+    EXPECT_GT(turned, std::cos(0.21)) << "the normals turn no more than the line does in a piece, 0.2 rad";
   }
 }
 
@@ -99,13 +99,13 @@ TEST(Primitives, MarksAreOctahedraAboutTheirPointsWithTheirFacesOutward) {
 TEST(Primitives, ADiscIsSeenFromBothSides) {
   const int segments = 24;
   const model::Mesh disc = makeDisc(segments);
-  PerArm<double> area{};  // of the faces that look down and up
+  PerArm<double> area{};  // of the faces that point down and up
   for (const auto& t : disc.triangles) {
     const Vector3 a = toVector(disc.vertices[t[0]]), b = toVector(disc.vertices[t[1]]),
                   c = toVector(disc.vertices[t[2]]);
     const Vector3 twice = (b - a).cross(c - a);
     EXPECT_NEAR(std::hypot(twice.x(), twice.y()), 0.0, 1e-6) << "flat";
-    EXPECT_GE(twice.z() * disc.normals[t[0]][2], -1e-6F) << "lit on the side that is seen";
+    EXPECT_GE(twice.z() * disc.normals[t[0]][2], -1e-6F) << "the normal is on the visible side";
     area[twice.z() > 0.0 ? 1 : 0] += 0.5 * std::abs(twice.z());
   }
   const double polygon = 0.5 * segments * std::sin(2.0 * kPi / segments);

@@ -16,7 +16,7 @@ TEST(Projection, ClipSpaceAgreesWithTheCameraModel) {
       ASSERT_TRUE(camera.project({x, y, 0.1}, &u, &v));
       const Eigen::Vector4f clip =
           clip_from_world * Eigen::Vector4f(static_cast<float>(x), static_cast<float>(y), 0.1F, 1);
-      // A pixel's centre is a half beyond its integer coordinate when counted from the picture's edge.
+      // Counted from the picture's edge, a pixel's centre is half a pixel beyond its integer coordinate.
       EXPECT_NEAR((clip.x() / clip.w() + 1.0) / 2.0 * kWidth - 0.5, u, 1e-3);
       EXPECT_NEAR((1.0 - clip.y() / clip.w()) / 2.0 * kHeight - 0.5, v, 1e-3);
       EXPECT_LT(std::abs(clip.z()), clip.w());
@@ -68,7 +68,7 @@ TEST(Projection, TheShadowMapIsCentredOnWhatIsLookedAt) {
   const Eigen::Matrix4f shadow = shadowClipFromWorld(testCamera());
   const Eigen::Vector4f looked_at = shadow * Eigen::Vector4f(0.02F, 0.01F, 0.05F, 1.0F);
   EXPECT_LT(looked_at.head<3>().norm(), 0.2F);
-  // A point farther along the light's rays lies deeper.
+  // A point farther along the light's rays has the greater depth.
   const Eigen::Vector3f p(0.1F, 0.0F, 0.1F);
   const Eigen::Vector4f near = shadow * (p + 0.1F * keyLight()).homogeneous(), far = shadow * p.homogeneous();
   EXPECT_LT(near.z(), far.z());

@@ -14,7 +14,7 @@ namespace raven2_trainer::render {
 constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
-/** Looks from the surgeon's side, from above, at the middle of the base plate; not square on to any axis. */
+/** A camera on the surgeon's side that looks from above at the middle of the base plate, oblique to all axes. */
 inline model::Camera testCamera() {
   CameraConfig config;
   config.eye_W = {-0.9, 0.2, 0.6};

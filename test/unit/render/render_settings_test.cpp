@@ -16,7 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/** A session and its configuration, files of a few words: only their bytes count. */
+/** A session and its configuration, as files of a few words. Only their bytes count. */
 class RenderSettingsTest : public ::testing::Test {
  protected:
   RenderSettingsTest() : folder_(fs::temp_directory_path() / ("render_settings_test_" + std::to_string(::getpid()))) {
@@ -99,7 +99,7 @@ TEST_F(RenderSettingsTest, IsAnotherWhereAnythingThatDecidesOverTheVideoChanges)
     change();
     const auto [place, is_new] = seen.emplace(hash(), name);
     EXPECT_TRUE(is_new) << name << " and " << place->second;
-    // As it was.
+    // Take the change back.
     write("session.rlog", "a log");
     write("score.json", "a score");
     write("config/haptics.yaml", "stiffness: 1.0");
@@ -126,9 +126,9 @@ TEST_F(RenderSettingsTest, IsTheSameWhereOnlyWhatDecidesOverNoPictureChanges) {
   EXPECT_EQ(hash(), before);
   write("config/faults/jump.yaml", "another");
   write("config/plants/nominal.yaml", "another");
-  EXPECT_EQ(hash(), before) << "what they came to is in the log";
+  EXPECT_EQ(hash(), before) << "the log contains their effect";
   config_.files.pop_back();
-  EXPECT_EQ(hash(), before) << "which of them were read depends on the program";
+  EXPECT_EQ(hash(), before) << "the program decides which files it reads";
 }
 
 TEST_F(RenderSettingsTest, IsTheSameInAnotherPlace) {
@@ -141,7 +141,7 @@ TEST_F(RenderSettingsTest, IsTheSameInAnotherPlace) {
   config_.scene_urdf = (moved / "urdf/scene.urdf").string();
   EXPECT_EQ(hash(), before);
   fs::remove_all(moved);
-  EXPECT_THROW(hash(), SessionException) << "a file is missing";
+  EXPECT_THROW(hash(), SessionException) << "a missing file is an error";
 }
 
 }  // namespace

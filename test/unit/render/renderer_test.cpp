@@ -148,12 +148,12 @@ TEST_F(RendererTest, AMarkShowsFaintlyThroughWhatHidesIt) {
   Drawable mark = drawable(sphere_, far_W, {1.0F, 0.0F, 1.0F, 1.0F});
   const std::size_t middle = 3 * (static_cast<std::size_t>(kHeight / 2) * kWidth + kWidth / 2);
   const auto alone = draw({wall});
-  EXPECT_EQ(draw({wall, mark})[middle], alone[middle]) << "a thing does not";
+  EXPECT_EQ(draw({wall, mark})[middle], alone[middle]) << "only a mark shows through";
   mark.is_mark = true;
   const auto hidden = draw({wall, mark}), shown = draw({mark});
   EXPECT_GT(hidden[middle], alone[middle] + 20);
   EXPECT_LT(hidden[middle], shown[middle] - 40);
-  EXPECT_EQ(hidden, draw({mark, wall})) << "in any order";
+  EXPECT_EQ(hidden, draw({mark, wall})) << "the order of drawing does not matter";
 }
 
 TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
@@ -166,7 +166,7 @@ TEST_F(RendererTest, AMarkInFrontIsPlainAndThrowsNoShadow) {
   above.is_mark = true;
   const auto as_mark = draw({ground, above});
   const Difference marked = difference(as_mark, draw({ground}), kWidth);
-  EXPECT_LT(marked.count, shadowed.count - 20) << "the shadow on what is below";
+  EXPECT_LT(marked.count, shadowed.count - 20) << "a mark throws no shadow on the ground";
   double u = 0.0, v = 0.0;
   ASSERT_TRUE(camera_.project(above_W, &u, &v));
   const std::size_t middle = 3 * (static_cast<std::size_t>(std::lround(v)) * kWidth + std::lround(u));
@@ -210,8 +210,8 @@ TEST_F(RendererTest, AnObjectThrowsAShadowOnWhatLiesBelow) {
   Drawable floor = drawable(sphere_, {0.0, 0.0, -10.0}, {0.8F, 0.8F, 0.8F, 1.0F});
   floor.X_WM.R *= 10.0 / kRadius;  // top at z = 0
   const Drawable ball = drawable(sphere_, {0.0, 0.0, 0.1});
-  // The key light comes from above, from the surgeon's left: a tenth of a metre below, the shadow has moved by
-  // 0.45 and -0.40 of that.
+  // The key light comes from above and from the surgeon's left. A tenth of a metre below, the shadow has moved by 0.45
+  // and -0.40 of that.
   double u = 0.0, v = 0.0;
   ASSERT_TRUE(camera_.project({0.045, -0.04, 0.0}, &u, &v));
   const std::size_t place = 3 * (static_cast<std::size_t>(std::lround(v)) * kWidth + std::lround(u));

@@ -39,14 +39,14 @@ class SceneBuilderTest : public ::testing::Test {
     }
   }
 
-  /** Model and robot of an arm both at q. */
+  /** Puts model and robot of an arm at q. */
   void place(const JointArray& q, Arm arm) {
     const Vec3 tip = toArray(kinematics::forward(config_->arms.geometry, arm, q).p);
     at(snapshot_.model.arms, arm).q = at(snapshot_.robot.arms, arm).q = q;
     at(snapshot_.model.arms, arm).p_BT = at(snapshot_.robot.arms, arm).p_BT = tip;
   }
 
-  /** Turns the robot's shoulder of an arm, so that its tip lies some way from the model's. */
+  /** Turns the robot's shoulder of an arm, so that its tip is away from the model's. */
   double displaceRobot(Arm arm, double angle) {
     auto& state = at(snapshot_.robot.arms, arm);
     state.q[kShoulder] += angle;
@@ -61,7 +61,7 @@ class SceneBuilderTest : public ::testing::Test {
     return count;
   }
 
-  /** Of the magenta of a path, plain or faint, or the cyan of a goal: no other colour of the scene comes near. */
+  /** The magenta of a path, plain or faint, and the cyan of a goal. No other colour of the scene is similar. */
   static bool isMagenta(const std::uint8_t* p) { return p[0] > p[1] + 30 && p[2] > p[1] + 30; }
   static bool isCyan(const std::uint8_t* p) { return p[1] > p[0] + 45 && p[2] > p[0] + 45 && p[2] < p[1] + 60; }
 
@@ -119,7 +119,7 @@ TEST_F(SceneBuilderTest, AForceIsAnArrowAtTheModelsTipAlongTheForce) {
   const Pose& X_WB = at(raven_->X_WB, Arm::kGreen);
   EXPECT_LT((arrow.X_WM.p - X_WB * toEigen(snapshot_.model.arms[1].p_BT)).norm(), 1e-12);
   EXPECT_LT((arrow.X_WM.R.col(2).normalized() - Vector3(0.0, 1.0, 0.0)).norm(), 1e-9);
-  EXPECT_GT(arrow.X_WM.R.col(2).norm(), 0.02) << "[m] long enough to be seen";
+  EXPECT_GT(arrow.X_WM.R.col(2).norm(), 0.02) << "[m] the arrow is long enough to be visible";
 }
 
 TEST_F(SceneBuilderTest, FreeBodiesMoveWithTheModel) {
@@ -153,7 +153,7 @@ TEST_F(SceneBuilderTest, PartsThatMayBreakOffFollowTheFreeBodies) {
   const std::size_t tower = scene.free_bodies.size();
   snapshot_.model.bodies[tower].p[2] += 0.25;
   const auto after = builder.build(snapshot_).drawables;
-  // THEN one thing rose, and it stood where that tower stands
+  // THEN one object has risen, and it came from that tower's place
   int moved = 0;
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (std::abs(after[i].X_WM.p.z() - before[i].X_WM.p.z()) < 1e-12) continue;
@@ -223,7 +223,7 @@ TEST_F(SceneBuilderTest, TheGoalIsAGhostOfItsArmWhereThePlanEnds) {
       });
       EXPECT_TRUE(found) << name(arm) << " mesh " << ghost.mesh;
     }
-    // As many parts as move when the shoulder turns: all of that arm, none of the other.
+    // The number of parts that a motion of the shoulder moves: all of that arm, no part of the other.
     Snapshot turned = snapshot_;
     turned.plans = {};
     at(turned.model.arms, arm).q[kShoulder] += 0.1;
@@ -280,7 +280,7 @@ TEST_F(SceneBuilderTest, ThePathIsSeenAllAlongTheTipsWayAndTheGoalWhereItEnds) {
   EXPECT_GE(seen, looked_at - 2) << "of " << looked_at << "; the ghost of the goal may cover an end";
 }
 
-/** As when another session is shown. */
+/** This happens when another session is shown. */
 TEST_F(SceneBuilderTest, APlanWithTheNumberOfTheOneBeforeHasItsOwnStops) {
   for (const Arm arm : kArms) {
     const PlanResult plan = makePlan(config_->arms.geometry, arm);
@@ -305,7 +305,7 @@ TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
     for (const Drawable& d : builder_.build(snapshot_).drawables) {
       if (d.is_mark) marks.push_back(d);
     }
-    EXPECT_EQ(marks.size(), 2U + 3U) << "behind, ahead, and a stop at each waypoint";
+    EXPECT_EQ(marks.size(), 2U + 3U) << "the parts behind and ahead, and a stop at each waypoint";
     return std::pair<Drawable, Drawable>(marks.at(0), marks.at(1));
   };
   EXPECT_EQ(tube_parts(Mode::kExecuting, plan.waypoints[0]).first.count, 0U);
@@ -313,10 +313,10 @@ TEST_F(SceneBuilderTest, WhatIsTravelledOfAPathIsDimmedWhileItIsFollowed) {
     const auto [behind, ahead] = tube_parts(mode, plan.waypoints[1]);
     EXPECT_EQ(behind.first, 0U);
     EXPECT_GT(behind.count, 0U);
-    EXPECT_EQ(ahead.first, behind.count) << "one begins where the other ends";
+    EXPECT_EQ(ahead.first, behind.count) << "the part ahead begins where the part behind ends";
     EXPECT_LT(behind.colour[0] + behind.colour[2], 0.7F * (ahead.colour[0] + ahead.colour[2]));
   }
-  EXPECT_EQ(tube_parts(Mode::kArmed, plan.waypoints[1]).first.count, 0U) << "not under way";
+  EXPECT_EQ(tube_parts(Mode::kArmed, plan.waypoints[1]).first.count, 0U) << "an armed plan is not under way";
 }
 
 TEST_F(SceneBuilderTest, ThePictureShowsThePathDimming) {
@@ -350,16 +350,18 @@ TEST_F(SceneBuilderTest, WhatTouchesAToolIsAnotherArrowThanWhatTheHandFeels) {
   std::vector<Drawable> arrows;
   for (const Drawable& d : builder_.build(snapshot_).drawables) {
     const double length = d.X_WM.R.col(2).norm();
-    if (length < 0.9) arrows.push_back(d);  // all else is not scaled
+    if (length < 0.9) arrows.push_back(d);  // other objects are not scaled
   }
   ASSERT_EQ(arrows.size(), 3U);
   const Vector3 tip_W = at(raven_->X_WB, Arm::kGold) * toEigen(snapshot_.model.arms[0].p_BT);
   const Drawable &contact = arrows[0], &felt = arrows[1], &hit = arrows[2];
   EXPECT_LT((contact.X_WM.p - tip_W).norm() + (felt.X_WM.p - tip_W).norm(), 1e-12);
-  EXPECT_LT((contact.X_WM.R.col(2).normalized() - Vector3::UnitZ()).norm(), 1e-9) << "in W, as it is";
-  EXPECT_NEAR(contact.X_WM.R.col(2).norm() - felt.X_WM.R.col(2).norm(), 0.012, 1e-9) << "one newton more";
-  EXPECT_GT(contact.colour[0], contact.colour[2] + 0.5F) << "orange";
-  EXPECT_GT(felt.colour[2], felt.colour[0] + 0.5F) << "blue";
+  EXPECT_LT((contact.X_WM.R.col(2).normalized() - Vector3::UnitZ()).norm(), 1e-9)
+      << "the force keeps its direction in W";
+  EXPECT_NEAR(contact.X_WM.R.col(2).norm() - felt.X_WM.R.col(2).norm(), 0.012, 1e-9)
+      << "the contact force is one newton larger";
+  EXPECT_GT(contact.colour[0], contact.colour[2] + 0.5F) << "the contact arrow is orange";
+  EXPECT_GT(felt.colour[2], felt.colour[0] + 0.5F) << "the arrow of the felt force is blue";
   EXPECT_LT(hit.X_WM.R.col(2).norm(), 0.15) << "a hard hit does not fill the picture";
 }
 
@@ -422,7 +424,7 @@ TEST_F(SceneBuilderTest, TheTrailIsSeenWhereTheTipWas) {
     q[kShoulder] += 0.02;
     place(q, Arm::kGreen);
     snapshot_.model.arms[1].q_d = q;
-    snapshot_.model.arms[1].q_d[kElbow] += 0.05;  // the hand is ahead
+    snapshot_.model.arms[1].q_d[kElbow] += 0.05;  // the hand's target is ahead
     snapshot_.model.tick += 50;
     builder.follow(snapshot_);
     ways.push_back(at(raven_->X_WB, Arm::kGreen) * toEigen(snapshot_.model.arms[1].p_BT));
@@ -440,7 +442,7 @@ TEST_F(SceneBuilderTest, TheTrailIsSeenWhereTheTipWas) {
     seen += with[i + 2] > without[i + 2] + 10 || is_blue(&with[i]) || with[i] + 20 < without[i];
   }
   EXPECT_GT(looked_at, 10);
-  EXPECT_GE(seen, looked_at - 4) << "of " << looked_at << "; the first is before a second frame";
+  EXPECT_GE(seen, looked_at - 4) << "of " << looked_at << "; a trail begins at the second frame";
 }
 
 TEST_F(SceneBuilderTest, AFrameHasTheSamePixelsWhoeverDrewThoseBefore) {
@@ -462,13 +464,13 @@ TEST_F(SceneBuilderTest, AFrameHasTheSamePixelsWhoeverDrewThoseBefore) {
   for (std::size_t k = 0; k + 1 < frames.size(); ++k)
     k % 3 == 0 ? (void)some.build(frames[k]) : some.follow(frames[k]);
   EXPECT_EQ(renderer_.draw(some.build(frames.back()), camera), last);
-  EXPECT_NE(renderer_.draw(none.build(frames.back()), camera), last) << "the trail is what is missing";
+  EXPECT_NE(renderer_.draw(none.build(frames.back()), camera), last) << "the trail must be missing";
 }
 
 TEST_F(SceneBuilderTest, BeforeACameraThatStandsStillNoPixelDiffersFromTheFirstPictureOfOneThatJustCame) {
   Random random(11);
   Renderer renderer(640, 360);
-  const SceneOptions bare(config_->haptics, OverlaySet{});  // paths and trails change with each build
+  const SceneOptions bare(config_->haptics, OverlaySet{});  // no overlays: paths and trails change with each build
   SceneBuilder builder(*raven_, *scene_, bare, &renderer);
   for (const CameraConfig& named : config_->render.cameras) {
     const model::Camera camera = model::makeCamera(named, 640, 360);
@@ -487,7 +489,7 @@ TEST_F(SceneBuilderTest, BeforeACameraThatStandsStillNoPixelDiffersFromTheFirstP
       renderer.draw(scenes.back(), other);
       came.push_back(renderer.draw(scenes.back(), camera));
     }
-    renderer.draw(scenes.front(), camera);  // so that the camera stands still
+    renderer.draw(scenes.front(), camera);  // so that the camera does not move
     for (std::size_t k = 0; k < scenes.size(); ++k)
       EXPECT_TRUE(renderer.draw(scenes[k], camera) == came[k]) << named.name << ", " << k;
     EXPECT_NE(came[0], came[1]) << named.name;
@@ -522,7 +524,7 @@ TEST_F(SceneBuilderTest, NothingThatIsNotFiniteIsDrawn) {
   ASSERT_LT(rest.drawables.size(), scene.drawables.size());
   const std::vector<std::uint8_t> picture = renderer_.draw(scene, camera);
   EXPECT_EQ(picture, renderer_.draw(rest, camera));
-  EXPECT_GT(std::set<std::uint8_t>(picture.begin(), picture.end()).size(), 50U) << "the rest is there";
+  EXPECT_GT(std::set<std::uint8_t>(picture.begin(), picture.end()).size(), 50U) << "the finite parts must be visible";
 }
 
 TEST_F(SceneBuilderTest, EveryConfiguredCameraSeesTheDomeAndTheSceneFitsTheBudget) {

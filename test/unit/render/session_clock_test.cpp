@@ -20,7 +20,7 @@ TEST(SessionClock, BeforeTheFirstPedalDownThereIsNone) {
   add(100, 0, &clock);
   EXPECT_EQ(clock.at(99), -1);
   EXPECT_EQ(clock.at(100), 0);
-  EXPECT_EQ(clock.at(150), 50) << "it goes on as it did";
+  EXPECT_EQ(clock.at(150), 50) << "the clock goes on as before";
 }
 
 TEST(SessionClock, ItStandsDuringEachPauseAndTellsTheTimesBeforeIt) {

@@ -24,10 +24,10 @@ namespace raven2_trainer::render {
 namespace {
 
 constexpr Tick kBefore = 100;   // ticks before the first pedal down
-constexpr Tick kTicks = 400;    // of the session: 12 frames at 30 Hz
-constexpr Tick kLong = 10'000;  // of one with parts: 8, 8 and 4 frames at 2 Hz
+constexpr Tick kTicks = 400;    // of a session: 12 frames at 30 Hz
+constexpr Tick kLong = 10'000;  // of a session with parts: 8, 8 and 4 frames at 2 Hz
 
-/** Drawn by this process, whatever was drawn in it before and however many cores there are. */
+/** Options to draw with one process, independent of the number of cores. */
 SessionRenderOptions drawnHere() {
   SessionRenderOptions options;
   options.processes = 1;
@@ -46,7 +46,7 @@ class SessionRendererTest : public ::testing::Test {
   }
   ~SessionRendererTest() override { std::filesystem::remove_all(folder_); }
 
-  /** A log in which the arms move all the time. @param[in] picture of the ticks 100 to 300 of the session. */
+  /** Records a log in which the arms always move. @param[in] picture fault of the session's ticks 100 to 300. */
   void record(bool with_pedal, bool with_plan = false, Tick ticks = kTicks, std::uint8_t picture = 0) {
     session::LogHeader header;
     header.scenarios = {"sudden_jump"};
@@ -89,13 +89,13 @@ class SessionRendererTest : public ::testing::Test {
 
   std::string path(const std::string& file) const { return (folder_ / file).string(); }
 
-  /** Two frames a second: drawing is what these tests take their time for. */
+  /** Records a long session at two frames a second, as drawing takes most of these tests' time. */
   void recordLong(int fps = 2) {
     config_.render.video_fps = fps;
     record(true, false, kLong);
   }
 
-  /** Draws until so many frames are done and then fails, as a kill would have it. */
+  /** Draws until so many frames are done and then fails, like a render that was killed. */
   void drawUpTo(std::uint64_t frames, SessionRenderOptions options = drawnHere()) {
     SessionRenderer renderer(config_, folder_.string(), build_);
     EXPECT_THROW(renderer.run(options,
@@ -103,10 +103,10 @@ class SessionRendererTest : public ::testing::Test {
                                 if (done >= frames) throw std::runtime_error("killed");
                               }),
                  std::runtime_error);
-    EXPECT_FALSE(std::filesystem::exists(path("video.mp4"))) << "not under its name before it is whole";
+    EXPECT_FALSE(std::filesystem::exists(path("video.mp4"))) << "the video gets its name only when it is complete";
   }
 
-  /** Draws all. @return frames that were there before. */
+  /** Draws the rest. @return frames that an earlier render had drawn. */
   std::uint64_t drawRest(const SessionRenderOptions& options = drawnHere()) {
     SessionRenderer renderer(config_, folder_.string(), build_);
     const auto frames = static_cast<std::uint64_t>(10 * config_.render.video_fps);
@@ -117,12 +117,13 @@ class SessionRendererTest : public ::testing::Test {
                              EXPECT_EQ(all, frames);
                            }),
               frames);
-    EXPECT_EQ(first, renderer.reused() > 0 ? renderer.reused() : 1U) << "the progress begins with what is there";
+    EXPECT_EQ(first, renderer.reused() > 0 ? renderer.reused() : 1U)
+        << "the progress begins with the frames already drawn";
     EXPECT_FALSE(std::filesystem::exists(path("video.parts")));
     return renderer.reused();
   }
 
-  /** Parts of a render that was killed, kept while others use them up. */
+  /** Keeps a copy of a killed render's parts, which other renders use up. */
   void keepParts() { std::filesystem::rename(path("video.parts"), path("kept")); }
   void takeKeptParts() {
     std::filesystem::remove_all(path("video.parts"));
@@ -143,7 +144,7 @@ class SessionRendererTest : public ::testing::Test {
   TrainerConfig config_;
   std::filesystem::path folder_;
   std::string build_{"a build"};
-  Tick edge_first_{-1000};  // of 100 ticks in which a tool is at its edge; none in the session
+  Tick edge_first_{-1000};  // first of 100 ticks in which a tool is at its edge; < 0: not in the session
 };
 
 std::string output(const std::string& command) {
@@ -194,7 +195,7 @@ TEST_F(SessionRendererTest, ARenderThatWasKilledGivesTheSameFileAndDrawsNothingT
   struct Case {
     std::uint64_t killed, reused;
   };
-  std::vector<Case> cases{{7, 0}, {9, 8}, {15, 8}, {17, 16}};  // around the end of each part
+  std::vector<Case> cases{{7, 0}, {9, 8}, {15, 8}, {17, 16}};  // just before and after the end of each part
   if (testing::isFull()) cases.insert(cases.end(), {{1, 0}, {19, 16}});
   for (const Case& c : cases) {
     std::filesystem::remove(path("video.mp4"));
@@ -237,7 +238,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
   keepParts();
   const TrainerConfig config = config_;
   const std::string build = build_;
-  // Frames that are there when a render begins with something changed; it is killed then.
+  // @return the frames that a render reuses after a change. The render is killed at its start.
   const auto change = [&](const std::function<void(SessionRenderOptions*)>& by) {
     takeKeptParts();
     SessionRenderOptions options = drawnHere();
@@ -255,7 +256,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
     build_ = build;
     return renderer.reused();
   };
-  EXPECT_EQ(change([](SessionRenderOptions*) {}), 16U) << "the same";
+  EXPECT_EQ(change([](SessionRenderOptions*) {}), 16U) << "nothing changed";
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->camera = "top"; }), 0U);
   EXPECT_EQ(change([](SessionRenderOptions* o) { o->inset = "none"; }), 0U);
   EXPECT_EQ(change([&](SessionRenderOptions*) { build_ = "another"; }), 0U);
@@ -269,7 +270,7 @@ TEST_F(SessionRendererTest, PartsOfOtherSettingsAreDrawnAnew) {
 
 TEST_F(SessionRendererTest, PartsOfAnEncoderThatLooksAheadAreJoinedAsWell) {
   recordLong(10);
-  config_.render.encoder_preset = "veryfast";  // with pictures that refer to later ones
+  config_.render.encoder_preset = "veryfast";  // its frames refer to later ones
   drawRest();
   EXPECT_EQ(countFrames(path("video.mp4")), "100\n");
   const std::string times = output("ffprobe -v error -select_streams v -show_entries frame=pts_time -of csv=p=0 " +
@@ -302,7 +303,7 @@ TEST_F(SessionRendererTest, AToneSoundsWhereAToolIsAtItsEdgeAndAVideoWithoutHasN
   drawRest();
   EXPECT_EQ(output(streams + path("video.mp4")), "aac\n");
   EXPECT_EQ(countFrames(path("video.mp4")), "20\n");
-  // [dB] loudest sample of half a second around the tone, and of all before it and all behind it
+  // [dB] loudest sample of a span: half a second around the tone, all before it, or all after it
   const auto loudest = [&](const std::string& span) {
     const std::string text = output("ffmpeg -nostdin " + span + " -i " + path("video.mp4") +
                                     " -map 0:a -af volumedetect -f null - 2>&1 | sed -n 's/.*max_volume: //p'");
@@ -315,7 +316,7 @@ TEST_F(SessionRendererTest, AToneSoundsWhereAToolIsAtItsEdgeAndAVideoWithoutHasN
   std::filesystem::remove(path("video.mp4"));
   drawUpTo(19);
   drawRest();
-  EXPECT_EQ(hash(), first) << "the sound is the same again, too";
+  EXPECT_EQ(hash(), first) << "the sound must repeat too";
 }
 
 TEST_F(SessionRendererTest, APartOfASessionBecomesPicturesThatDiffer) {
@@ -364,7 +365,7 @@ TEST_F(SessionRendererTest, PicturesOfAnEarlierRenderAreRefusedOrReplaced) {
   options.replace = true;
   options.camera = "cellar";
   EXPECT_THROW(draw(), ConfigException);
-  EXPECT_TRUE(isThere("frame_000011.png")) << "nothing is removed for nothing";
+  EXPECT_TRUE(isThere("frame_000011.png")) << "a render that fails removes no picture";
   options.camera = "top";
   EXPECT_EQ(draw(), 3U);
   EXPECT_TRUE(isThere("frame_000002.png"));
@@ -375,7 +376,7 @@ TEST_F(SessionRendererTest, PicturesOfAnEarlierRenderAreRefusedOrReplaced) {
 TEST_F(SessionRendererTest, APartShowsWhatTheWholeShowsThere) {
   const std::map<std::string, OverlayKind> cases{{"marks", OverlayKind::kTrails}, {"status", OverlayKind::kStatus}};
   constexpr auto kFrozen = static_cast<std::uint8_t>(PictureFault::kFrozen);
-  record(true, false, kTicks, kFrozen);  // from frame 3 to 8
+  record(true, false, kTicks, kFrozen);  // frozen from frame 3 to 8
   for (const auto& [name, overlay] : cases) {
     SessionRenderOptions options = drawnHere();
     options.inset = "none";
@@ -453,14 +454,14 @@ TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {
     }
   }
   options.overlays->add(OverlayKind::kHazard);  // the log names no fault: no banner
-  EXPECT_EQ(pictures(kFrozen, "told"), plain) << "what was there";
+  EXPECT_EQ(pictures(kFrozen, "told"), plain) << "with the hazard overlay the pictures show the real scene";
 }
 
 TEST_F(SessionRendererTest, SaysWhatCannotBeRendered) {
   EXPECT_THROW(SessionRenderer(config_, path("nowhere"), build_), SessionException);
   record(false);
   SessionRenderer renderer(config_, folder_.string(), build_);
-  EXPECT_THROW(renderer.run(drawnHere(), nullptr), SessionException) << "the pedal was never down";
+  EXPECT_THROW(renderer.run(drawnHere(), nullptr), SessionException) << "a session without a pedal-down";
   record(true);
   SessionRenderOptions options = drawnHere();
   options.camera = "cellar";
@@ -510,12 +511,12 @@ TEST_F(SessionRendererTest, ASessionThatIsBeingRecordedIsRefused) {
   session::LogWriter writer(path("session.rlog"), session::LogHeader{});
   try {
     SessionRenderer(config_, folder_.string(), build_);
-    FAIL() << "not refused";
+    FAIL() << "the log was accepted";
   } catch (const SessionException& e) {
     EXPECT_NE(std::string(e.what()).find("still being recorded"), std::string::npos) << e.what();
   }
   writer.finish(SessionCounts{});
-  EXPECT_NO_THROW(SessionRenderer(config_, folder_.string(), build_)) << "it has its end";
+  EXPECT_NO_THROW(SessionRenderer(config_, folder_.string(), build_)) << "the log is complete";
 }
 
 TEST_F(SessionRendererTest, AVideoSaysWhatItIs) {
@@ -555,14 +556,14 @@ TEST_F(SessionRendererTest, AVideoIsThereIfItIsOfTheseSettings) {
   EXPECT_TRUE(isThere());
   SessionRenderOptions options = drawnHere();
   options.processes = 2;
-  EXPECT_TRUE(isThere(options)) << "by how many is all the same";
+  EXPECT_TRUE(isThere(options)) << "the number of processes does not matter";
   options.camera = "overview";
   EXPECT_FALSE(isThere(options));
   options.camera = "cellar";
   EXPECT_THROW(isThere(options), ConfigException);
   options = drawnHere();
   options.output = path("another.mp4");
-  EXPECT_FALSE(isThere(options)) << "in another place";
+  EXPECT_FALSE(isThere(options)) << "the other file does not exist";
   build_ = "another";
   EXPECT_FALSE(isThere());
   build_ = "a build";
@@ -571,10 +572,10 @@ TEST_F(SessionRendererTest, AVideoIsThereIfItIsOfTheseSettings) {
   EXPECT_FALSE(isThere());
   config_.render.video_width = 128;
   std::filesystem::create_directories(path("video.parts"));
-  EXPECT_FALSE(isThere()) << "it is to be drawn again";
+  EXPECT_FALSE(isThere()) << "parts in the folder mean that it must be drawn again";
   std::filesystem::remove(path("video.parts"));
   record(true, false, kTicks + 1);
-  EXPECT_FALSE(isThere()) << "of another log";
+  EXPECT_FALSE(isThere()) << "the video is of another log";
 }
 
 TEST_F(SessionRendererTest, WarnsIfTheDescriptionsHaveChangedSince) {

@@ -18,7 +18,7 @@ namespace {
 constexpr int kMap = 1024;
 constexpr float kMargin = 3.0F * 2.0F / kMap;
 
-/** What a camera sees of the ground, z = 0 and a step of 30 mm, by ray and plane; nothing above the horizon. */
+/** A camera's view of the ground, z = 0 with a step of 30 mm, by ray and plane; empty above the horizon. */
 class ShadeTilesTest : public ::testing::Test {
  protected:
   ShadeTilesTest()
@@ -35,7 +35,7 @@ class ShadeTilesTest : public ::testing::Test {
     tiles_.setPicture(kWidth, kHeight, depth_, clip_from_world_, shadow_clip_from_world_, kMargin, map_);
   }
 
-  /** Pixel counted from the bottom left. */
+  /** Casts the ray of a pixel, counted from the bottom left. */
   void see(int x, int y) {
     const int row = kHeight - 1 - y;
     const Vector3 ray = camera_.X_WC.R * Vector3((x - camera_.cx) / camera_.fx, (row - camera_.cy) / camera_.fy, 1.0);
@@ -58,7 +58,7 @@ class ShadeTilesTest : public ::testing::Test {
     return pixels;
   }
 
-  /** [texels] from a pixel's place on the map to the middle of a texel, the greater of both directions. */
+  /** [texels] from a pixel's place on the map to the middle of a texel, the larger of both directions. */
   double distance(std::size_t pixel, int column, int row) const {
     const Eigen::Vector2f at = places_[pixel].cwiseMax(-1.0F).cwiseMin(1.0F);
     const Eigen::Vector2f place = 0.5F * kMap * (at + Eigen::Vector2f::Ones());
@@ -104,7 +104,7 @@ TEST_F(ShadeTilesTest, ThePartsOfAMapThatNothingLooksUpTouchNothing) {
       for (std::size_t pixel = 0; pixel < depth_.size(); pixel += 3) {
         if (depth_[pixel] < 1.0F) nearest = std::min(nearest, distance(pixel, column, row));
       }
-      if (nearest < 60.0) continue;  // within a tile, a cell and the margin
+      if (nearest < 60.0) continue;  // may be within a tile, a cell and the margin
       map[static_cast<std::size_t>(row * kMap + column)] = 0.3F;
       ++unseen;
     }

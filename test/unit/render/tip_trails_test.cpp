@@ -19,12 +19,12 @@ ArmGeometry geometry() {
   return g;
 }
 
-/** Bases at the origin, B along W: tips in W are those in B. */
+/** Trails with both bases at the origin and along W, so that a tip has the same place in W and B. */
 TipTrails trails(double duration = 1.0, double step = 0.05) {
   return TipTrails(geometry(), {}, TrailConfig{duration, step});
 }
 
-/** The gold tip goes along x at this speed [m/s] from tick 0 on; the green one stands at y = 1 m. */
+/** The gold tip goes along x at this speed [m/s] from tick 0 on; the green one stays at y = 1 m. */
 Snapshot at(Tick tick, double speed, Mode mode = Mode::kPedalUp) {
   Snapshot s;
   s.model.tick = tick;
@@ -80,7 +80,7 @@ TEST(TipTrails, TheHandsAndThePlansTargetsAreToldApart) {
   TipTrails t = trails(10.0);
   for (Tick tick = 0; tick <= 200; tick += 10)
     t.follow(at(tick, 0.1, Mode::kTeleoperating));
-  EXPECT_EQ(t.marks(Trail::kUser).size(), 2 * 4U) << "both hands";
+  EXPECT_EQ(t.marks(Trail::kUser).size(), 2 * 4U) << "the trails of both hands";
   EXPECT_TRUE(t.marks(Trail::kPlan).empty());
   EXPECT_LT((t.marks(Trail::kUser)[0] - target).norm(), 1e-12);
   for (Tick tick = 210; tick <= 400; tick += 10) {
@@ -89,10 +89,10 @@ TEST(TipTrails, TheHandsAndThePlansTargetsAreToldApart) {
     t.follow(s);
   }
   EXPECT_EQ(t.marks(Trail::kUser).size(), 2 * 4U);
-  EXPECT_EQ(t.marks(Trail::kPlan).size(), 4U) << "of the plan's arm, from the first step wholly in it";
+  EXPECT_EQ(t.marks(Trail::kPlan).size(), 4U) << "the trail of the plan's arm, from the first whole step";
   for (Tick tick = 410; tick <= 600; tick += 10)
     t.follow(at(tick, 0.1, Mode::kPedalUp));
-  EXPECT_EQ(t.marks(Trail::kPlan).size(), 4U) << "nobody wants anything";
+  EXPECT_EQ(t.marks(Trail::kPlan).size(), 4U) << "with the pedal up there is no target";
   EXPECT_EQ(t.marks(Trail::kTrack).size(), 2 * 12U);
 }
 
@@ -140,7 +140,7 @@ TEST(TipTrails, WhatIsNotFiniteLeavesNoMark) {
     for (const Vector3& mark : t.marks(trail))
       EXPECT_TRUE(mark.allFinite());
   }
-  EXPECT_EQ(goldPlaces(t).size(), 10U - 4U) << "three ticks, and the way back from the last";
+  EXPECT_EQ(goldPlaces(t).size(), 10U - 4U) << "missing: three ticks, and the step back from the last";
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace raven2_trainer::render {
 namespace {
 
-// By their places: 0 dome, 1 and 2 gold jaws, 3 green jaw, 4 ring.
+// By index: 0 dome, 1 and 2 gold jaws, 3 green jaw, 4 ring.
 const std::vector<std::string> kBodies{"dome", "grasper1_L", "grasper2_L", "grasper1_R", "ring"};
 
 TEST(ToolContacts, SumsWhatPressesOnEachArm) {
@@ -27,7 +27,7 @@ TEST(ToolContacts, NumbersAndCountsThatThereAreNotAddNothing) {
   list.contacts[0] = {7, 60'000, 0.0F, {}, {}, {1.0, 0.0, 0.0}};
   EXPECT_EQ(ToolContacts(kBodies).sum(list), PerArm<Vec3>{});
   list.contacts[0] = {1, 4, 0.0F, {}, {}, {1.0, 0.0, 0.0}};
-  EXPECT_EQ(ToolContacts().sum(list), PerArm<Vec3>{}) << "nobody's";
+  EXPECT_EQ(ToolContacts().sum(list), PerArm<Vec3>{}) << "the contact belongs to no known body";
 }
 
 }  // namespace

@@ -57,17 +57,17 @@ TEST_F(VideoFileTest, OtherFilesAreNoVideo) {
   std::ofstream(path("text.mp4")) << std::string(1000, 'x');
   EXPECT_FALSE(isWholeVideo(path("text.mp4")));
   std::ofstream(path("zeros.mp4")) << std::string(1000, '\0');
-  EXPECT_FALSE(isWholeVideo(path("zeros.mp4"))) << "a box of no length would never end";
+  EXPECT_FALSE(isWholeVideo(path("zeros.mp4"))) << "a box of length 0 would never end";
   std::ofstream(path("free.mp4")) << std::string(
       "\0\0\0\x08"
       "free",
       8);
-  EXPECT_FALSE(isWholeVideo(path("free.mp4"))) << "boxes, and no index among them";
+  EXPECT_FALSE(isWholeVideo(path("free.mp4"))) << "the file has boxes, but no index";
 }
 
 TEST_F(VideoFileTest, SaysOfWhatSettingsItIs) {
   encode("plain.mp4");
-  EXPECT_EQ(videoSettings(path("plain.mp4")), "") << "it does not say so";
+  EXPECT_EQ(videoSettings(path("plain.mp4")), "") << "the video does not name its settings";
   const auto comment = [&](const std::string& arguments) {
     const std::string command =
         "ffmpeg -nostdin -v error -y -i " + path("plain.mp4") + " -c copy " + arguments + " " + path("video.mp4");
@@ -79,10 +79,11 @@ TEST_F(VideoFileTest, SaysOfWhatSettingsItIs) {
   EXPECT_EQ(comment(ours + " -metadata title=A -metadata description=B -metadata genre=C -movflags +faststart"),
             "0123456789abcdef");
   EXPECT_EQ(comment("-metadata 'comment=of a holiday'"), "");
-  EXPECT_EQ(comment("-metadata 'title=" + settingsComment("0123456789abcdef") + "'"), "") << "a title";
+  EXPECT_EQ(comment("-metadata 'title=" + settingsComment("0123456789abcdef") + "'"), "")
+      << "the settings are in the title, not in the comment";
   comment(ours);
   fs::resize_file(path("video.mp4"), fs::file_size(path("video.mp4")) - 1);
-  EXPECT_EQ(videoSettings(path("video.mp4")), "") << "it is not whole";
+  EXPECT_EQ(videoSettings(path("video.mp4")), "") << "the video is incomplete";
   EXPECT_EQ(videoSettings(path("missing.mp4")), "");
 }
 
@@ -103,7 +104,7 @@ TEST_F(VideoFileTest, SettingsAreLookedForInNothingThatIsBroken) {
     (settings == "0123456789abcdef" ? read : unread) += 1;
     EXPECT_LE(settings.size(), 1024U) << at;
   }
-  EXPECT_GT(read, 100) << "what does not lie on the way to it may be broken";
+  EXPECT_GT(read, 100) << "bytes that the reader does not need may be broken";
   EXPECT_GT(unread, 16);
 }
 

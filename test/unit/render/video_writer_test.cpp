@@ -74,7 +74,7 @@ TEST_F(VideoWriterTest, APngPatternGivesOnePictureAFrame) {
 }
 
 TEST_F(VideoWriterTest, APictureTakesItsNameOnceItIsWhole) {
-  // Written to directly, the file behind the link would change; a rename takes the link's place.
+  // A direct write would change the file behind the link. A rename replaces the link itself.
   std::ofstream(path("other.png")) << "another picture";
   std::filesystem::create_symlink(path("other.png"), path("frame_000.png"));
   VideoWriter writer(path("frame_%03d.png"), smallVideo());
@@ -106,7 +106,7 @@ TEST_F(VideoWriterTest, AnEncoderThatGoesAwayIsAnExceptionWithItsMessageAndNoSig
   } catch (const RenderException& e) {
     EXPECT_NE(std::string(e.what()).find("No such file or directory"), std::string::npos) << e.what();
   }
-  EXPECT_THROW(writer.write(frame(0)), RenderException) << "a writer that failed stays failed";
+  EXPECT_THROW(writer.write(frame(0)), RenderException) << "a writer that failed stays unusable";
 }
 
 TEST_F(VideoWriterTest, AnUnknownPresetFailsWithFfmpegsMessage) {

@@ -93,7 +93,7 @@ class TestReader {
 
 class StateServerTest : public ::testing::Test {
  protected:
-  /** Serves and polls until `done`; the server's clock stands still unless the test moves it. */
+  /** Serves and polls until `done`; the server's clock stops unless the test advances it. */
   template <typename Done>
   bool until(Done done) {
     const std::int64_t end = net::monotonicNow() + 10 * kSecond;
@@ -371,7 +371,7 @@ TEST_F(StateServerTest, AStalledReaderIsClosedAfterTwoSecondsAndDelaysNobody) {
     if (!stalled->greeted()) stalled->poll();
     return stalled->greeted();
   }));
-  // WHEN it takes nothing any more
+  // WHEN it no longer reads
   std::uint64_t cycle = 0;
   const auto next = [&] {
     push(++cycle);
@@ -381,7 +381,7 @@ TEST_F(StateServerTest, AStalledReaderIsClosedAfterTwoSecondsAndDelaysNobody) {
   while (server->framesDropped() == 0 && cycle < 5000)
     ASSERT_TRUE(next());
   ASSERT_GT(server->framesDropped(), 0U);
-  // The system's buffers go on filling for as long as its own timers take; ours stands still meanwhile.
+  // The system's buffers keep filling for as long as the system's timers take. The server's clock stops meanwhile.
   std::uint64_t sent = 0;
   std::int64_t settled = net::monotonicNow();
   ASSERT_TRUE(until([&] {

@@ -5,7 +5,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-/** [px] By the projection matrix of a camera_info alone (sensor_msgs/CameraInfo): P (x, y, z, 1). */
+/** [px] Pixel of a point by the matrix of a camera_info alone (sensor_msgs/CameraInfo): P (x, y, z, 1). */
 Eigen::Vector2d pixelBy(const sensor_msgs::CameraInfo& info, const Vector3& p) {
   Eigen::Matrix<double, 3, 4> P;
   for (Eigen::Index row = 0; row < 3; ++row) {
@@ -37,7 +37,7 @@ TEST_F(CameraMessages, AMovedCamerasMatrixPutsPointsWhereThePictureHasThem) {
   const model::Camera moved = camera(0.0);
   const sensor_msgs::CameraInfo info = cameraInfo(moved, opticalFrame("endoscope"), ros::Time(3, 0));
   EXPECT_EQ(info.header.frame_id, "endoscope_optical_frame");
-  // Into that frame by the transform that is published, as any other program would.
+  // Transform into that frame by the published transform, as any other program would.
   const auto tf = transform(moved.X_WC, info.header.frame_id, ros::Time(3, 0)).transform;
   const Quaternion q(tf.rotation.w, tf.rotation.x, tf.rotation.y, tf.rotation.z);
   for (const Vector3& p_W : {Vector3(0.01, -0.02, 0.03), Vector3(0.05, 0.04, 0.06), Vector3(-0.03, 0.01, 0.0)}) {
@@ -68,9 +68,9 @@ TEST_F(CameraMessages, BothEyesTakePointsInTheLeftOnesFrame) {
 TEST_F(CameraMessages, AStampIsAsOldAsWhatItIsOf) {
   const ros::Time now(100, 500);
   EXPECT_EQ(stampOf(7'000'000'000, 7'030'000'000, now), ros::Time(99, 970'000'500));
-  EXPECT_EQ(stampOf(7'000'000'000, 6'999'000'000, now), now) << "never from the future";
-  EXPECT_EQ(stampOf(0, 7'000'000'000, now), now) << "not known";
-  EXPECT_EQ(stampOf(1, 200'000'000'000, now), now) << "older than that clock";
+  EXPECT_EQ(stampOf(7'000'000'000, 6'999'000'000, now), now) << "no stamp in the future";
+  EXPECT_EQ(stampOf(0, 7'000'000'000, now), now) << "the time is unknown";
+  EXPECT_EQ(stampOf(1, 200'000'000'000, now), now) << "older than the ROS clock";
 }
 
 }  // namespace

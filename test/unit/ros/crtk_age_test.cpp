@@ -7,7 +7,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-/** A connection's header, as roscpp gives it with each message of the connection. */
+/** A connection's header, as roscpp attaches it to each message of the connection. */
 ros::M_stringPtr connectionOf(const std::string& publisher, const char* latching = "1") {
   const auto header = boost::make_shared<ros::M_string>();
   (*header)["callerid"] = publisher;
@@ -19,8 +19,8 @@ TEST(CrtkStored, WhoPublishedBeforeMayHaveStoredItsFirstMessage) {
   CrtkStored stored(std::set<std::string>{"/old"});
   const auto old = connectionOf("/old"), fresh = connectionOf("/fresh");
   EXPECT_TRUE(stored.mayBe(old));
-  EXPECT_FALSE(stored.mayBe(old)) << "what follows on a connection is new";
-  EXPECT_FALSE(stored.mayBe(fresh)) << "it came while somebody listened";
+  EXPECT_FALSE(stored.mayBe(old)) << "later messages of a connection are new";
+  EXPECT_FALSE(stored.mayBe(fresh)) << "this publisher connected while we listened";
   EXPECT_FALSE(stored.mayBe(fresh));
 }
 
@@ -28,11 +28,11 @@ TEST(CrtkStored, WhoConnectsAgainGivesAgainWhatItHadGiven) {
   CrtkStored stored(std::set<std::string>{});
   auto first = connectionOf("/client");
   EXPECT_FALSE(stored.mayBe(first));
-  first.reset();  // broken, as the only one who held it lets go
+  first.reset();  // the connection breaks, as its only holder releases it
   const auto second = connectionOf("/client");
   EXPECT_TRUE(stored.mayBe(second));
   EXPECT_FALSE(stored.mayBe(second));
-  EXPECT_TRUE(stored.mayBe(connectionOf("/client"))) << "and a third time, the second still there";
+  EXPECT_TRUE(stored.mayBe(connectionOf("/client"))) << "a third connection, while the second exists";
   EXPECT_FALSE(stored.mayBe(connectionOf("/other")));
 }
 
@@ -101,7 +101,7 @@ TEST(CrtkAge, AStampIsNotOlderThanHalfASecondOrThereIsNone) {
   EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 99.6));
   EXPECT_FALSE(is_taken(ServoKind::kServoJoints, 99.4));
   EXPECT_FALSE(is_taken(ServoKind::kMovePose, 1.0));
-  EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 0.0)) << "none";
+  EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 0.0)) << "the command has no stamp";
   EXPECT_TRUE(is_taken(ServoKind::kServoJoints, 103.0)) << "another host's clock, not an old command";
   EXPECT_TRUE(is_taken(ServoKind::kHold, 1.0));
   const auto pause = unlessOld(readState(Arm::kGold, "pause"), {"/c", false, ros::Time(1.0), now});

@@ -68,7 +68,7 @@ TEST_P(CrtkKinematicsTest, JointsThatAreFarAwayStillLeadToASolutionWithinTheLimi
     crtk::ForwardRequest again;
     again.jp = found.jp;
     const crtk::ForwardResponse same = answer(geometry, GetParam(), worldFrame(X_WB), false, again);
-    EXPECT_EQ(same.result, 1) << "within the limits";
+    EXPECT_EQ(same.result, 1) << "the solution is within the limits";
     EXPECT_NEAR(same.cp.position.y, at.cp.position.y, 1e-7);
   }
 }
@@ -92,7 +92,7 @@ TEST_P(CrtkKinematicsTest, WhatHasNoAnswerSaysWhy) {
   const crtk::InverseResponse far = answer(geometry, GetParam(), frame, false, query);
   EXPECT_EQ(far.result, 0);
   EXPECT_NE(far.message.find("limits"), std::string::npos) << far.message;
-  EXPECT_EQ(far.jp, query.jp) << "as they were given";
+  EXPECT_EQ(far.jp, query.jp) << "the joints come back unchanged";
   query.cp.orientation.w = 0.0;
   EXPECT_NE(answer(geometry, GetParam(), frame, false, query).message.find("quaternion"), std::string::npos);
 }

@@ -9,7 +9,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-/** Bytes of a message as they go over the wire. */
+/** Bytes of a message as they are sent. */
 template <typename Message>
 std::vector<std::uint8_t> bytesOf(const Message& message) {
   const std::uint32_t size = ros::serialization::serializationLength(message);

@@ -40,7 +40,7 @@ void expectVector(const Vec3& v, double x, double y, double z) {
   EXPECT_NEAR(v[2], z, 1e-12);
 }
 
-/** The same turn, whatever its sign. */
+/** Expects the same rotation; q and -q are equal. */
 void expectTurn(const Quat& q, double x, double y, double z, double w) {
   EXPECT_NEAR(std::abs(q[0] * x + q[1] * y + q[2] * z + q[3] * w), 1.0, 1e-12)
       << q[0] << ' ' << q[1] << ' ' << q[2] << ' ' << q[3];
@@ -61,7 +61,7 @@ TEST(CrtkReader, EveryStateCommandByItsWordAndNoOther) {
     const CrtkAsked asked = readState(Arm::kGold, word);
     EXPECT_FALSE(asked.command) << word;
     EXPECT_NE(asked.refusal.find("\"" + word + "\""), std::string::npos) << asked.refusal;
-    EXPECT_NE(asked.refusal.find("resume"), std::string::npos) << "says what there is";
+    EXPECT_NE(asked.refusal.find("resume"), std::string::npos) << "the message lists the valid words";
   }
 }
 
@@ -112,7 +112,7 @@ TEST(CrtkReader, WhatIsNotFiniteIsRefused) {
 
 TEST(CrtkReader, AnOrientationHasLengthOne) {
   geometry_msgs::PoseStamped message = poseAt(0.3, 0.0, 0.1);
-  message.pose.orientation.w = 0.0;  // what a message has that nobody filled
+  message.pose.orientation.w = 0.0;  // the value of a message that nobody filled
   const auto asked = readPose(Arm::kGold, ServoKind::kServoPose, worldFrame(placed()), message);
   EXPECT_FALSE(asked.command);
   EXPECT_NE(asked.refusal.find("quaternion"), std::string::npos) << asked.refusal;
@@ -126,7 +126,7 @@ TEST(CrtkReader, AnOrientationHasLengthOne) {
 }
 
 TEST(CrtkReader, APoseInTheWorldIsBroughtToTheBase) {
-  // 0.1 m along x of W from B is -0.1 m along y of B; no turn in W is one of -90 degrees about z of B
+  // 0.1 m along x of W from B is -0.1 m along y of B. The identity in W is a rotation by -90 degrees about z of B.
   const auto asked =
       readPose(Arm::kGreen, ServoKind::kMovePose, worldFrame(placed()), poseAt(0.4, 0.02, 0.03, "world"));
   ASSERT_TRUE(asked.command);
@@ -137,7 +137,7 @@ TEST(CrtkReader, APoseInTheWorldIsBroughtToTheBase) {
 }
 
 TEST(CrtkReader, AnIncrementIsTurnedAndNotMoved) {
-  // A turn by 90 degrees about x of W is one about -y of B.
+  // A rotation by 90 degrees about x of W is one about -y of B.
   geometry_msgs::PoseStamped message = poseAt(0.001, 0.0, 0.002);
   message.pose.orientation.x = message.pose.orientation.w = kHalf;
   const auto asked = readPose(Arm::kGold, ServoKind::kServoPoseBy, worldFrame(placed()), message);
@@ -175,15 +175,15 @@ TEST(CrtkReader, AFrameIsTheRightOneOrNone) {
   EXPECT_FALSE(is_taken(world, "model/base_link_R"));
   EXPECT_TRUE(is_taken(base, "model/base_link_R"));
   EXPECT_TRUE(is_taken(base, "robot/base_link_R"));
-  EXPECT_FALSE(is_taken(base, "model/base_link_L")) << "the other arm's";
+  EXPECT_FALSE(is_taken(base, "model/base_link_L")) << "the frame of the other arm";
   EXPECT_FALSE(is_taken(base, "world"));
   const auto asked = readPose(Arm::kGreen, ServoKind::kServoPose, world, poseAt(0, 0, 0, "camera"));
   EXPECT_EQ(asked.refusal, "servo_cp: in frame \"camera\"; it is world or no frame_id");
 }
 
 TEST(CrtkReader, TheRobotsOwnBranchTurnsItsBase) {
-  // T_crtk_in_r0 of its crtk_motion_api.cpp: gold rows (0,-1,0) (0,0,-1) (1,0,0), green (0,1,0) (0,0,1) (1,0,0); what
-  // is asked for is its inverse times the transform.
+  // T_crtk_in_r0 of its crtk_motion_api.cpp: gold rows (0,-1,0) (0,0,-1) (1,0,0), green (0,1,0) (0,0,1) (1,0,0). The
+  // commanded pose is its inverse times the transform.
   geometry_msgs::TransformStamped message;
   message.transform.translation.x = 0.1;
   message.transform.translation.y = 0.2;
@@ -196,7 +196,7 @@ TEST(CrtkReader, TheRobotsOwnBranchTurnsItsBase) {
   const auto green = readTransform(Arm::kGreen, ServoKind::kServoPose, ravenFrame(Arm::kGreen), message);
   ASSERT_TRUE(green.command);
   expectVector(green.command->pose_B.p, 0.3, 0.1, 0.2);
-  // the inverse of a cyclic exchange of axes: a turn by 120 degrees about their diagonal
+  // The inverse of a cyclic exchange of the axes is a rotation by 120 degrees about their diagonal.
   expectTurn(green.command->pose_B.q, 0.5, 0.5, 0.5, 0.5);
 }
 
@@ -217,11 +217,11 @@ TEST(CrtkReader, TheRobotsOwnBranchAsksForSevenJoints) {
   ASSERT_TRUE(asked.command && asked.jaw);
   EXPECT_EQ(asked.command->kind, ServoKind::kServoJoints);
   EXPECT_EQ(asked.command->joints, (ServoJoints{0.1, 1.2, 0.4, 0.3, 0.2, 0.25}))
-      << "the mid-line is half their difference";
+      << "the mid-line is half of the graspers' difference";
   EXPECT_EQ(asked.jaw->kind, ServoKind::kServoJaw);
   EXPECT_EQ(asked.jaw->arm, Arm::kGreen);
   EXPECT_EQ(asked.jaw->jaw, 1.0);
-  std::vector<double> steps(15, 0.0);  // as raven2_CRTK_Python_controller sends
+  std::vector<double> steps(15, 0.0);  // as raven2_CRTK_Python_controller sends them
   steps[1] = 0.001;
   steps[6] = 0.002;
   const auto by = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, steps);
@@ -239,13 +239,13 @@ TEST(CrtkReader, TheRobotsOwnBranchAsksForSevenJoints) {
 TEST(CrtkReader, ASeventhJointThatStaysAsksNothingOfTheJaws) {
   const auto still = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0.001, 0, 0, 0, 0, 0, 0});
   EXPECT_TRUE(still.command);
-  EXPECT_FALSE(still.jaw) << "it would end a move of theirs";
+  EXPECT_FALSE(still.jaw) << "a command for the jaws would end a move of the jaws";
   const auto turned = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0, 0, 0, 0, 0, -0.001, 0.001});
   ASSERT_TRUE(turned.command);
-  EXPECT_DOUBLE_EQ(turned.command->joints.back(), 0.001) << "both graspers, one way";
+  EXPECT_DOUBLE_EQ(turned.command->joints.back(), 0.001) << "both graspers rotate in one direction";
   EXPECT_FALSE(turned.jaw);
   EXPECT_TRUE(ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0, 0, 0, 0}).jaw)
-      << "closed is a place, not a step";
+      << "closed is a position, not a step";
 }
 
 TEST(CrtkReader, JawsBeyondTheirLimitsHoldTheArmBackAndTheArmTheJaws) {
@@ -258,7 +258,7 @@ TEST(CrtkReader, JawsBeyondTheirLimitsHoldTheArmBackAndTheArmTheJaws) {
   const auto midline = ravenAsks(Arm::kGold, ServoKind::kServoJoints, {0.1, 1.2, 0.4, 0, 0, -1.55, 1.55});
   EXPECT_EQ(midline.refusal, "servo_jp: jaw_midline at 1.55 rad, at most 1.5 rad");
   const auto far = ravenAsks(Arm::kGold, ServoKind::kServoJointsBy, {0, 0, 2.0, 0, 0, 0.1, 0.1});
-  EXPECT_TRUE(far.command && far.jaw) << "from where a step goes is known where the arm is moved";
+  EXPECT_TRUE(far.command && far.jaw) << "only the loop knows where a step begins, and so checks its end";
 }
 
 TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
@@ -270,7 +270,7 @@ TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
   ASSERT_TRUE(gold.command);
   expectVector(gold.command->v_B, 0.01, 0.0, 0.0);
   expectVector(gold.command->w_B, 0.0, -0.7, 0.0);
-  message.transform.rotation.x = std::sin(2.0);  // 4 rad: more than half a turn
+  message.transform.rotation.x = std::sin(2.0);  // 4 rad, more than pi
   message.transform.rotation.w = std::cos(2.0);
   const auto fast = readTransformTwist(Arm::kGreen, ravenFrame(Arm::kGreen), message);
   ASSERT_TRUE(fast.command);
@@ -282,8 +282,8 @@ TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
   expectVector(still.command->w_B, 0.0, 0.0, 0.0);
 }
 
-/** Both bounds of every joint, on both arms: inside taken, outside refused with the bound that was passed. The mid-line
- *  has grasper 1's lower limit and grasper 2's upper one, the jaws -10 to 90 degrees (raven2.md). */
+/** Both bounds of every joint, on both arms. A value inside is accepted, one outside refused with the violated bound.
+ *  The mid-line has grasper 1's lower limit and grasper 2's upper one, the jaws -10 to 90 degrees (raven2.md). */
 TEST(CrtkReader, BothBoundsOfEveryJointHold) {
   const std::array<std::array<double, 2>, 7> bounds{
       {{0.0, 1.5}, {0.8, 2.4}, {0.23, 0.56}, {-3.0, 3.0}, {-1.5, 1.5}, {-1.5, 1.5}, {-0.174, 1.57}}};
@@ -372,7 +372,7 @@ TEST(CrtkReader, RatesAndForcesAreWhatAMessageSaysOfThem) {
   EXPECT_EQ(squeeze.command->jaw, 0.02);
 }
 
-/** A force of 1 N along x of W at a tip of B, 90 degrees about z: -y of B. */
+/** B is rotated by 90 degrees about z, so a force of 1 N along x of W at the tip acts along -y of B. */
 TEST(CrtkReader, AWrenchIsTurnedAndItsTorqueBroughtToTheBase) {
   geometry_msgs::WrenchStamped message;
   message.wrench.force.x = 1.0;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kDegree = kPi / 180.0;
 
-/** The first columns of raven2.md 2.4: shoulder, elbow, insertion, roll, wrist, mid-line; opened by 20 degrees. */
+/** The first columns of raven2.md 2.4: shoulder, elbow, insertion, roll, wrist, mid-line. Jaws open by 20 degrees. */
 JointArray joints(double shoulder, double elbow, double insertion, double roll, double wrist, double mid) {
   JointArray q{shoulder * kDegree, elbow * kDegree, insertion, roll * kDegree, wrist * kDegree, 0.0, 0.0};
   q[kGrasp1] = (10.0 - mid) * kDegree;
@@ -75,7 +75,7 @@ TEST_F(CrtkMeasuredTest, IsTheModelUntilARobotIsThere) {
   EXPECT_NEAR((of(Arm::kGold).X_BT.p - of_model).norm(), 0.0, 2e-6);
 }
 
-/** Of q + t dq, by differences of the tip's poses. */
+/** Compares the twist with differences of the tip's poses along q + t dq. */
 TEST_F(CrtkMeasuredTest, TheTwistIsHowTheTipMoves) {
   for (const Arm arm : kArms) {
     const JointArray q = at(robot.arms, arm).q;
@@ -98,7 +98,7 @@ TEST_F(CrtkMeasuredTest, TheTwistIsHowTheTipMoves) {
   }
 }
 
-/** Each column alone, by differences; jaws that open do not move the tip. */
+/** Compares each column with differences of the tip's poses. Opening the jaws does not move the tip. */
 TEST_F(CrtkMeasuredTest, TheJacobiansColumnsAreTheSixJoints) {
   const CrtkMeasured m = of(Arm::kGreen);
   const double h = 1e-6;
@@ -133,7 +133,7 @@ TEST_F(CrtkMeasuredTest, EffortsDoTheWorkThatTheModelsTorquesDo) {
   EXPECT_EQ(m.effort[kInsertion], 3.0);
 }
 
-/** A plan that the model tracks, or a stall of the network, makes no leap of the robot's. */
+/** A plan that the model tracks, or a stall of the network, must not make the robot's values leap. */
 TEST_F(CrtkMeasuredTest, OnceARobotWasThereItIsThatOneOrNothing) {
   for (const Arm arm : kArms) {
     MeasuredSource source;
@@ -152,7 +152,7 @@ TEST_F(CrtkMeasuredTest, OnceARobotWasThereItIsThatOneOrNothing) {
     for (model.tick = 202; model.tick <= 200 + MeasuredSource::kRepeated; model.tick += 2) {
       source.take(arm, model, robot, ros::Time(1e-3 * static_cast<double>(model.tick)));
       ASSERT_EQ(source.from(), MeasuredFrom::kStale);
-      ASSERT_EQ(source.stamp(), ros::Time(0.2)) << "its own";
+      ASSERT_EQ(source.stamp(), ros::Time(0.2)) << "the stamp of the robot's last state";
       ASSERT_EQ(source.q(), last);
     }
     source.take(arm, model, robot, ros::Time(9.0));
@@ -160,7 +160,7 @@ TEST_F(CrtkMeasuredTest, OnceARobotWasThereItIsThatOneOrNothing) {
     EXPECT_EQ(source.age(), MeasuredSource::kRepeated + 2);
     robot.connected = 0;
     source.take(arm, model, robot, ros::Time(9.1));
-    EXPECT_EQ(source.from(), MeasuredFrom::kNone) << "not the model";
+    EXPECT_EQ(source.from(), MeasuredFrom::kNone) << "the model does not replace the robot";
     robot.connected = model.robot_fresh = 1;
     source.take(arm, model, robot, ros::Time(9.2));
     EXPECT_EQ(source.from(), MeasuredFrom::kRobot);
@@ -168,8 +168,8 @@ TEST_F(CrtkMeasuredTest, OnceARobotWasThereItIsThatOneOrNothing) {
   }
 }
 
-/** Whatever is rigid with the tip and at the world's origin moves as the spatial Jacobian says; contact forces on the
- *  tip do the same work through each Jacobian and its wrench. */
+/** A body that is rigid with the tip and at the world's origin moves as the spatial Jacobian gives. Contact forces on
+ *  the tip do the same work through each Jacobian and its wrench. */
 TEST_F(CrtkMeasuredTest, JacobiansAndWrenchesOfAllFramesDoTheSameWork) {
   const Pose X_WB{Matrix3(Eigen::AngleAxisd(0.7, Vector3(1.0, 2.0, -0.5).normalized())), Vector3(0.2, -0.1, 0.3)};
   const CrtkFrame world = worldFrame(X_WB);
@@ -189,7 +189,7 @@ TEST_F(CrtkMeasuredTest, JacobiansAndWrenchesOfAllFramesDoTheSameWork) {
     const auto wanted = forces(world, m.J_B, at_tip);
     EXPECT_LT((forces({"", {}, m.X_BT}, m.J_B, body) - wanted).norm(), 1e-9) << name(arm);
     EXPECT_LT((forces(world, atOrigin(world, m), spatial) - wanted).norm(), 1e-9) << name(arm);
-    EXPECT_GT((spatial.torque_W - at_tip.torque_W).norm(), 0.1) << "or the test could not tell";
+    EXPECT_GT((spatial.torque_W - at_tip.torque_W).norm(), 0.1) << "the torques must differ enough";
   }
 }
 
@@ -198,15 +198,15 @@ TEST(CrtkSetpointRate, IsHowFarItMovedInTheTicksBetween) {
   ServoArmState arm;
   arm.setpoint_q = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6};
   const auto of = [&](Tick tick) { return rate.of(tick, arm.setpoint_q, arm.setpoint_jaw); };
-  EXPECT_EQ(of(10), ServoJoints{}) << "nothing before";
+  EXPECT_EQ(of(10), ServoJoints{}) << "there is no set point before";
   arm.setpoint_q[1] += 0.004;
   arm.setpoint_jaw = 0.001;
   EXPECT_NEAR(of(12)[1], 2.0, 1e-9);
   EXPECT_NEAR(rate.jaw(), 0.5, 1e-9);
   arm.setpoint_q[1] += 1.0;
   EXPECT_NEAR(of(12)[1], 2.0, 1e-9) << "the same tick";
-  EXPECT_EQ(of(2000), ServoJoints{}) << "a gap";
-  EXPECT_EQ(of(5), ServoJoints{}) << "begun anew";
+  EXPECT_EQ(of(2000), ServoJoints{}) << "a gap gives no rate";
+  EXPECT_EQ(of(5), ServoJoints{}) << "an older tick begins again";
 }
 
 CrtkJoints someJoints() {
@@ -235,7 +235,7 @@ TEST(CrtkStates, JointsComeWithNamesAndAllThreeOfTheirLengths) {
   EXPECT_EQ(message.effort, std::vector<double>{4.0});
 }
 
-/** Graspers are half the opening less and more the mid-line; torques on them do the same work. */
+/** The graspers are at half the opening minus and plus the mid-line. Torques on them do the same work. */
 TEST(CrtkStates, TheRobotsOwnBranchHasSevenJoints) {
   sensor_msgs::JointState message;
   fillRaven(Arm::kGreen, someJoints(), &message);
@@ -254,7 +254,7 @@ TEST(CrtkStates, TheRobotsOwnBranchHasSevenJoints) {
   EXPECT_EQ(message.effort.size(), 3U);
 }
 
-/** What is told of a pose asks for that pose. */
+/** A published pose that comes back as a command asks for that pose. */
 TEST(CrtkStates, APoseGoesOutAndComesBack) {
   Pose X_WB, X_BT;
   X_WB.R = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
@@ -301,7 +301,7 @@ TEST(CrtkStates, AJacobianIsToldRowByRowInItsFrame) {
   EXPECT_EQ(message.data[0 * 6 + 4], -14.0) << "x of W is -y of B";
   EXPECT_EQ(message.data[1 * 6 + 4], 4.0);
   EXPECT_EQ(message.data[2 * 6 + 5], 25.0);
-  EXPECT_EQ(message.data[3 * 6 + 0], -40.0) << "turns as well";
+  EXPECT_EQ(message.data[3 * 6 + 0], -40.0) << "the rotational rows change axes as well";
   EXPECT_EQ(message.data[4 * 6 + 3], 33.0);
   fill(baseFrame(Arm::kGold), J_B, &message);
   EXPECT_EQ(message.data[3 * 6 + 1], 31.0);
@@ -319,7 +319,7 @@ TEST(CrtkStates, ATwistIsToldInItsFrame) {
   EXPECT_NEAR(message.twist.angular.z, 0.3, 1e-12);
 }
 
-/** Each arm stands elsewhere: whoever takes the other arm's state is found out. */
+/** Each arm has another pose, so that a mix-up of the arms' states shows. */
 TEST_F(CrtkMeasuredTest, EachArmIsMeasuredByItsOwnState) {
   for (const bool has_robot : {true, false}) {
     model.robot_fresh = has_robot ? 1 : 0;
@@ -347,7 +347,7 @@ TEST(CrtkSetpointRate, OfJawsIsZeroToo) {
   ServoArmState arm;
   arm.setpoint_jaw = 0.4;
   rate.of(10, arm.setpoint_q, arm.setpoint_jaw);
-  EXPECT_EQ(rate.jaw(), 0.0) << "nothing before";
+  EXPECT_EQ(rate.jaw(), 0.0) << "there is no set point before";
   arm.setpoint_jaw = 0.5;
   rate.of(11, arm.setpoint_q, arm.setpoint_jaw);
   EXPECT_NEAR(rate.jaw(), 100.0, 1e-9);
@@ -370,7 +370,7 @@ TEST(CrtkStates, TheRobotsOwnBranchNamesTheJointsByTheirArm) {
     }
     EXPECT_EQ(all.name.size(), 7U);
     EXPECT_EQ(grasp.name.size(), 3U);
-    EXPECT_EQ(grasp.effort[0], 4.0) << "the jaws' own";
+    EXPECT_EQ(grasp.effort[0], 4.0) << "the effort of the jaws";
     EXPECT_EQ(grasp.effort[1], all.effort[5]);
     EXPECT_EQ(grasp.effort[2], all.effort[6]);
   }

@@ -72,7 +72,7 @@ TEST(CrtkWords, FreeThatFindsNothingToLetGoOfNamesNoOtherCommand) {
   ServoRefused refused = refusalOf(ServoKind::kFree, ServoRefusal::kInvalid);
   refused.in = OperatingState::kDisabled;
   for (std::size_t i = 0; i < kStateCommandCount; ++i) {
-    refused.state = static_cast<StateCommand>(i);  // which `free` is none of
+    refused.state = static_cast<StateCommand>(i);  // `free` is not a StateCommand
     EXPECT_EQ(sentence(refused), "free: the arms are DISABLED, nothing holds them but the brakes");
   }
 }
@@ -104,7 +104,7 @@ TEST(CrtkPatience, AStreamIsToldOnceASecondWithHowManyWereLeftOut) {
   for (int ms = 0; ms < 1000; ms += 5)
     told += patience.pass("a", "no", ms * kMillisecond) ? 1 : 0;
   EXPECT_EQ(told, 1);
-  EXPECT_EQ(patience.pass("b", "never", 3 * kMillisecond), "never") << "another matter";
+  EXPECT_EQ(patience.pass("b", "never", 3 * kMillisecond), "never") << "a message of another kind is not held back";
   EXPECT_EQ(patience.pass("a", "no", 1000 * kMillisecond), "no (and 199 more like it)");
   EXPECT_EQ(patience.pass("a", "no", 1001 * kMillisecond), std::nullopt);
   EXPECT_EQ(patience.pass("a", "no", 60000 * kMillisecond), "no (and 1 more like it)");
@@ -120,7 +120,7 @@ class CrtkInboxTest : public ::testing::Test {
 TEST_F(CrtkInboxTest, CommandsGoToTheLoopInOrderEachWithANumberOfItsOwn) {
   EXPECT_EQ(inbox.take(readPlain(Arm::kGold, ServoKind::kHold)), "");
   EXPECT_EQ(inbox.take(readState(Arm::kGreen, "enable")), "");
-  EXPECT_NE(inbox.take(readState(Arm::kGreen, "fly")), "") << "never reaches the loop";
+  EXPECT_NE(inbox.take(readState(Arm::kGreen, "fly")), "") << "an unknown word never reaches the loop";
   ServoOrder first, second, none;
   ASSERT_TRUE(state->servo_commands.popOrder(&first));
   ASSERT_TRUE(state->servo_commands.popOrder(&second));
@@ -175,8 +175,9 @@ TEST(CrtkStatus, WhatWasReceivedWasAppliedRefusedNotReadOrLost) {
   EXPECT_EQ(valueOf(good, "applied"), "7");
   EXPECT_EQ(valueOf(good, "refused"), "3");
   EXPECT_EQ(valueOf(good, "unread"), "2");
-  EXPECT_EQ(crtkStatus(servo, CrtkCounts{10, 0, 1}).level, DiagnosticStatus::WARN) << "lost";
-  EXPECT_EQ(crtkStatus(servo, CrtkCounts{9, 0, 0}).level, DiagnosticStatus::ERROR) << "more than were passed on";
+  EXPECT_EQ(crtkStatus(servo, CrtkCounts{10, 0, 1}).level, DiagnosticStatus::WARN) << "a lost command is a warning";
+  EXPECT_EQ(crtkStatus(servo, CrtkCounts{9, 0, 0}).level, DiagnosticStatus::ERROR)
+      << "more commands were handled than passed on";
   servo.refused = 2;
   EXPECT_EQ(crtkStatus(servo, heard).level, DiagnosticStatus::ERROR);
   servo.refused = 3;
@@ -184,7 +185,7 @@ TEST(CrtkStatus, WhatWasReceivedWasAppliedRefusedNotReadOrLost) {
   EXPECT_EQ(crtkStatus(servo, heard).level, DiagnosticStatus::WARN);
 }
 
-/** Which way a joint was asked to go has nothing to do with its unit. */
+/** The sign of a joint's command says nothing about its unit. */
 TEST(CrtkWords, WhatIsLikelyWrongIsSaidOfBothSigns) {
   for (const double sign : {1.0, -1.0}) {
     ServoRefused refused = refusalOf(ServoKind::kMoveJoints, ServoRefusal::kOutOfRange);
@@ -192,7 +193,7 @@ TEST(CrtkWords, WhatIsLikelyWrongIsSaidOfBothSigns) {
     refused.value = 90.0 * sign;
     EXPECT_NE(sentence(refused).find("CRTK is in radians"), std::string::npos) << sentence(refused);
     refused.value = 6.2 * sign;
-    EXPECT_EQ(sentence(refused).find("CRTK is in"), std::string::npos) << "less than a whole turn";
+    EXPECT_EQ(sentence(refused).find("CRTK is in"), std::string::npos) << "less than a full rotation";
     refused.joint = 2;
     refused.value = 400.0 * sign;
     EXPECT_NE(sentence(refused).find("CRTK is in metres"), std::string::npos) << sentence(refused);
@@ -217,7 +218,7 @@ TEST(CrtkWords, OnlyABrokenModelNeedsARestart) {
   }
 }
 
-/** An arm that was refused must not have its jaws moved. */
+/** If an arm's command is refused, its jaws must not move. */
 TEST_F(CrtkInboxTest, JawsDoNotGoWithoutTheirArm) {
   while (inbox.counts().lost == 0 && inbox.counts().passed_on < 10000)
     inbox.take(readPlain(Arm::kGold, ServoKind::kServoJoints));
@@ -236,7 +237,7 @@ TEST(CrtkStatus, SaysWhatKeepsTheArmsAndWhoMovesThem) {
   servo.holds_pedal = 1;
   EXPECT_EQ(crtkStatus(servo, {}).message, "ENABLED, a client moves the arms");
   const CrtkCounts heard{5, 2, 3};
-  EXPECT_EQ(valueOf(crtkStatus(servo, heard), "received"), "10") << "those lost were received, too";
+  EXPECT_EQ(valueOf(crtkStatus(servo, heard), "received"), "10") << "lost commands were received too";
   EXPECT_EQ(valueOf(crtkStatus(servo, heard), "lost"), "3");
 }
 

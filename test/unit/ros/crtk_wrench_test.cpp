@@ -56,7 +56,7 @@ TEST(ArmContacts, WithinAnArmAndOfNobodyNothingCounts) {
   EXPECT_EQ(toArray(contacts().on(Arm::kGold, broken, Vector3::Zero()).force_W), Vec3{});
 }
 
-/** Action and reaction: where two arms touch, both wrenches about one point add up to nothing. */
+/** Action and reaction: where two arms touch, both wrenches about one point add up to zero. */
 TEST(ArmContacts, TheWrenchesOfTwoArmsThatTouchCancel) {
   const auto list =
       listOf({contact(1, 3, {0.10, 0.02, 0.01}, {1, -2, 5}), contact(3, 2, {-0.03, 0.01, 0.0}, {0, 4, 1})});

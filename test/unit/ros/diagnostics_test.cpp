@@ -36,7 +36,7 @@ TEST(Diagnostics, TellsWhatScriptedHandsAreSent) {
   const auto shared = std::make_unique<SharedState>();
   shared->sight_sent.add(30);
   shared->sight_failed.add(2);
-  EXPECT_EQ(queues(*shared).level, DiagnosticStatus::OK) << "nobody has to listen";
+  EXPECT_EQ(queues(*shared).level, DiagnosticStatus::OK) << "a listener is optional";
   EXPECT_EQ(valueOf(queues(*shared), "sight_sent"), "30");
   EXPECT_EQ(valueOf(queues(*shared), "sight_failed"), "2");
 }
@@ -63,7 +63,7 @@ TEST(Diagnostics, ARealCameraThatIsAskedForAndSilentIsAWarning) {
   render.real_stale_after = 0.5;
   EXPECT_EQ(realCameraStatus(render, 0, false, 9 * kSecond).level, DiagnosticStatus::OK);
   EXPECT_EQ(realCameraStatus(render, 0, true, 9 * kSecond).level, DiagnosticStatus::WARN);
-  EXPECT_EQ(valueOf(realCameraStatus(render, 0, true, 9 * kSecond), "age_ms"), "none") << "there never was one";
+  EXPECT_EQ(valueOf(realCameraStatus(render, 0, true, 9 * kSecond), "age_ms"), "none") << "no image has come yet";
   EXPECT_EQ(realCameraStatus(render, 8 * kSecond, true, 9 * kSecond).level, DiagnosticStatus::WARN);
   const DiagnosticStatus heard = realCameraStatus(render, 9 * kSecond - kSecond / 4, true, 9 * kSecond);
   EXPECT_EQ(heard.level, DiagnosticStatus::OK);
@@ -76,13 +76,13 @@ TEST(Diagnostics, ALinkWhoseCountersDoNotAddUpIsAnError) {
   counts.count(Reject::kNone);
   counts.count(Reject::kOutOfOrder);
   EXPECT_EQ(linkStatus("x", counts).level, DiagnosticStatus::OK);
-  EXPECT_EQ(valueOf(linkStatus("x", counts), "rejected_out_of_order"), "1") << "a single one is told";
+  EXPECT_EQ(valueOf(linkStatus("x", counts), "rejected_out_of_order"), "1") << "a single rejection is reported";
   EXPECT_EQ(valueOf(linkStatus("x", counts), "rejected_duplicate"), "none");
   ++counts.received;
   EXPECT_EQ(linkStatus("x", counts).level, DiagnosticStatus::ERROR);
 }
 
-/** Of both loops: warn below 95 % on time, as libfranka does; a time slip is an error. Figures are in microseconds. */
+/** Both loops: a warning below 95 % on time, as in libfranka; an error for a time slip. Figures are in microseconds. */
 TEST(Diagnostics, ALoopThatIsLateIsAWarningAndLostTimeAnError) {
   const auto shared = std::make_unique<SharedState>();
   for (std::size_t i = 0; i < kLoopCount; ++i) {
@@ -139,7 +139,7 @@ TEST(Diagnostics, ARobotThatIsNotThereIsAnErrorAndItsStateHasAnAge) {
   RobotState robot;
   robot.frame = 10;
   robot.runlevel = RunLevel::kPedalUp;
-  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::ERROR) << "it left";
+  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::ERROR) << "the robot has left";
   robot.connected = 1;
   robot.is_virtual = 1;
   robot.cycle = 77;
@@ -154,7 +154,7 @@ TEST(Diagnostics, ARobotThatIsNotThereIsAnErrorAndItsStateHasAnAge) {
   EXPECT_EQ(valueOf(there, "cycle"), "77");
   EXPECT_EQ(valueOf(there, "active_fault"), "5");
   robot.frame = 0;
-  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::ERROR) << "it has sent nothing yet";
+  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::ERROR) << "the robot has sent nothing yet";
 }
 
 TEST(Diagnostics, ARobotThatRefusesSaysSo) {
@@ -164,7 +164,7 @@ TEST(Diagnostics, ARobotThatRefusesSaysSo) {
   EXPECT_NE(robotStatusOf(robot, *shared).message.find("version"), std::string::npos);
   robot.connected = 1;
   robot.frame = 1;
-  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::OK) << "that was the one before";
+  EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::OK) << "the refusal concerned the robot before";
   shared->plan_refused.store(1);
   EXPECT_EQ(robotStatusOf(robot, *shared).level, DiagnosticStatus::WARN);
   EXPECT_NE(robotStatusOf(robot, *shared).message.find("fault plan"), std::string::npos);

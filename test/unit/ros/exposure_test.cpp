@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array kNames{"ROS_IP", "ROS_HOSTNAME", "ROS_MASTER_URI"};
 
-/** ROS's variables of the environment, without any at first; afterwards they are as before. */
+/** ROS's environment variables, unset at first and restored afterwards. */
 class Exposure : public ::testing::Test {
  protected:
   Exposure() {
@@ -39,7 +39,7 @@ class Exposure : public ::testing::Test {
   std::vector<std::optional<std::string>> before_;
 };
 
-/** roscpp's own rule (libros/transport/transport.cpp): whatever it serves the network must not count as local. */
+/** roscpp's own rule (libros/transport/transport.cpp): an address served to the network must not count as local. */
 TEST_F(Exposure, OnlyRoscppsLoopbackAddressesAreLocal) {
   for (const char* local : {"127.0.0.1", "127.1.2.3", "localhost"}) {
     set("ROS_IP", local);
@@ -83,7 +83,7 @@ TEST_F(Exposure, AMasterOfThisComputerKeepsTheNodeToTheLoopbackAddress) {
 }
 
 TEST_F(Exposure, AMasterElsewhereLeavesTheNodeOpen) {
-  for (const char* host : {"192.0.2.1", "localhost.lan", "robot"}) {  // TEST-NET-1 (RFC 5737) is nobody's
+  for (const char* host : {"192.0.2.1", "localhost.lan", "robot"}) {  // TEST-NET-1 (RFC 5737) belongs to nobody
     keepToLoopback(host);
     EXPECT_EQ(get("ROS_IP"), "unset") << host;
   }

@@ -10,12 +10,12 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** In place of the physics loop: takes requests and answers what the test says. A client's pause is one tick. */
+/** Replaces the physics loop: takes requests and answers as the test wants. A client's pause is one tick. */
 class FakeLoop {
  public:
-  /** What the loop does with a request. */
+  /** Called for each request. */
   std::function<void(const Request&)> on_request = [](const Request&) {};
-  /** What it does at the end of a tick, by the number of the tick. */
+  /** Called at the end of each tick, with the tick's number. */
   std::function<void(int)> on_tick = [](int) {};
 
   void tick() {
@@ -38,7 +38,7 @@ class FakeLoop {
     shared.model.store(model);
   }
 
-  /** An answer of the planner. */
+  /** Posts an answer of the planner. */
   void plan(std::uint32_t id, PlanStatus status) {
     PlanResult result;
     result.id = id;
@@ -53,7 +53,7 @@ class FakeLoop {
     shared.execution_answers.tryPush(result);
   }
 
-  /** Requests of a kind that came. */
+  /** The number of received requests of a kind. */
   int count(RequestKind kind) const {
     int n = 0;
     for (const Request& request : seen)

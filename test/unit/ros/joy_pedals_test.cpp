@@ -18,7 +18,7 @@ sensor_msgs::Joy joyOf(const std::vector<int>& buttons) {
   return joy;
 }
 
-/** Three buttons are used: 0 the stop, 1 the trial, 4 the camera; the rest is nobody's. */
+/** Three buttons are used: 0 the stop, 1 the trial, 4 the camera; the other buttons have no function. */
 JoyConfig mapping() {
   JoyConfig config;
   config.topic = "pedals";
@@ -34,7 +34,7 @@ class JoyPedalsTest : public ::testing::Test {
  protected:
   JoyPedalsTest() { loop.tell(); }
 
-  /** What a message asks for, one millisecond after the one before. */
+  /** @return the requests of a message that comes one millisecond after the one before. */
   std::vector<Request> hear(const std::vector<int>& buttons) {
     now_ns += kMillisecond;
     pedals.hear(joyOf(buttons), now_ns);
@@ -69,7 +69,7 @@ TEST(HeldPedals, ButtonsThatAreNotThereAreUpAndOthersAreNobodys) {
   EXPECT_EQ(heldPedals(joyOf({0, 0, 1, 1}), mapping()), 0U);
   EXPECT_EQ(heldPedals(joyOf({1, 1, 1, 1, 1, 1}), mapping()),
             bit(Pedal::kTrial) | bit(Pedal::kCamera) | bit(Pedal::kStop));
-  EXPECT_EQ(heldPedals(joyOf({0, -1}), mapping()), bit(Pedal::kTrial)) << "whatever is not 0 is held";
+  EXPECT_EQ(heldPedals(joyOf({0, -1}), mapping()), bit(Pedal::kTrial)) << "any value but 0 is a held button";
 }
 
 TEST_F(JoyPedalsTest, AnEdgeAsksOnceForWhatThePacketsPedalAsksFor) {
@@ -77,7 +77,7 @@ TEST_F(JoyPedalsTest, AnEdgeAsksOnceForWhatThePacketsPedalAsksFor) {
   const std::vector<Request> begun = hear({0, 1});
   ASSERT_EQ(begun.size(), 1U);
   EXPECT_EQ(begun[0].kind, RequestKind::kBeginTrial);
-  EXPECT_EQ(begun[0].id, 0U) << "nobody waits for an answer";
+  EXPECT_EQ(begun[0].id, 0U) << "no client waits for an answer";
   EXPECT_TRUE(hear({0, 1}).empty());
   EXPECT_TRUE(hear({0, 0}).empty());
   loop.mode = Mode::kTrialHeld;
@@ -100,7 +100,7 @@ TEST_F(JoyPedalsTest, SilenceLetsTheCameraGo) {
   EXPECT_EQ(released[0].kind, RequestKind::kSetCameraPedal);
   EXPECT_EQ(released[0].enabled, static_cast<std::uint8_t>(CameraPedal::kSilent));
   now_ns += 600 * kMillisecond;
-  EXPECT_EQ(hear({0, 0, 0, 0, 1}).size(), 1U) << "who speaks again and holds it presses it";
+  EXPECT_EQ(hear({0, 0, 0, 0, 1}).size(), 1U) << "a source that comes back with the button held presses it";
 }
 
 TEST_F(JoyPedalsTest, BeforeAnybodySpokeNothingIsAskedFor) {
@@ -117,7 +117,7 @@ TEST_F(JoyPedalsTest, ANetworkIsHeardToStopAndNothingElse) {
   EXPECT_EQ(requests[0].kind, RequestKind::kEmergencyStop);
 }
 
-/** Button 3 is the view here: what a press asks for depends on what is shown. */
+/** Button 3 is the view here. The request of a press depends on the view that is shown. */
 TEST_F(JoyPedalsTest, ThePedalOfTheViewGoesBothWays) {
   JoyConfig config = mapping();
   config.buttons[static_cast<std::size_t>(Pedal::kView)] = 3;

@@ -44,7 +44,7 @@ TEST(ContactMarkers, ABallAndALineEach) {
     EXPECT_GT(m.color.a, 0.0F);
     EXPECT_GT(m.scale.x, 0.0);
   }
-  EXPECT_NE(places.ns, forces.ns) << "a marker takes the place of one with its name and number";
+  EXPECT_NE(places.ns, forces.ns) << "a marker replaces one of the same namespace and number";
   ASSERT_EQ(places.points.size(), 2U);
   expectPoint(places.points[1], -0.1, 0.0, 0.0);
   ASSERT_EQ(forces.points.size(), 4U);
@@ -92,7 +92,7 @@ TEST(ForceMarkers, AnArrowAtTheTipOfEachArm) {
   EXPECT_EQ(array.markers[0].type, Marker::ARROW);
   expectPoint(array.markers[0].points[0], 0.5, 0.0, 0.1);
   expectPoint(array.markers[0].points[1], 0.5, kArrowPerNewton, 0.1);
-  EXPECT_EQ(array.markers[1].action, Marker::DELETE) << "no force there";
+  EXPECT_EQ(array.markers[1].action, Marker::DELETE) << "without a force the marker is deleted";
   EXPECT_NE(array.markers[0].id, array.markers[1].id);
   haptic.force_B[0][0] = std::numeric_limits<double>::infinity();
   EXPECT_EQ(forceMarkers(model, haptic, X_WB, kStamp).markers[0].action, Marker::DELETE);
@@ -117,7 +117,7 @@ TEST(ForceMarkers, EachArmsArrowIsAtItsOwnTipInItsOwnBase) {
   expectPoint(markers.at(1).points.at(1), -0.2 + 2.0 * kArrowPerNewton, 1.1, 6.3);
 }
 
-/** doc/pictures.md: blue what the hand feels, orange what touches the tool. */
+/** doc/pictures.md: forces that the hand feels are blue, contacts of the tool orange. */
 TEST(Markers, HaveThePicturesColours) {
   HapticState haptic;
   haptic.force_B[0] = {1.0, 0.0, 0.0};
@@ -138,12 +138,12 @@ TEST(WorkspaceEdge, AToolThatIsHeldBackOrAHandThatFeelsIt) {
   haptic = {};
   model.arms[1].ik_status = 1;  // clamped
   model.mode = Mode::kPedalUp;
-  EXPECT_FALSE(isAtEdge(model, haptic)) << "nobody moves it";
+  EXPECT_FALSE(isAtEdge(model, haptic)) << "with the pedal up no hand moves the arm";
   model.mode = Mode::kTeleoperating;
   EXPECT_TRUE(isAtEdge(model, haptic));
 }
 
-/** Only a hand that moves the arm writes the status: what is left of it says nothing of what moves it now. */
+/** Only a hand that moves the arm writes the status. An old status says nothing about the arm's present motion. */
 TEST(WorkspaceEdge, IsNotToldByAStatusOfBefore) {
   ModelState model;
   model.pedal = 1;

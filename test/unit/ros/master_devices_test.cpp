@@ -30,7 +30,7 @@ std::vector<std::uint8_t> bytesOf(const Message& message) {
   return bytes;
 }
 
-/** What comes on a topic of that type with those bytes. */
+/** A message with these bytes, as it comes on a topic of that type. */
 topic_tools::ShapeShifter received(const char* type, const char* md5, std::vector<std::uint8_t> bytes) {
   topic_tools::ShapeShifter message;
   message.morph(md5, type, "", "");
@@ -68,8 +68,8 @@ sensor_msgs::Joy joyOf(const std::vector<int>& buttons, const std::vector<float>
 }
 
 TEST(DeviceMessages, HaveTheCheckSumsOfTheDriversPackages) {
-  // genmsg's of the texts of omni_msgs, geomagic_control and crtk_msgs; the first, second and fourth also as those
-  // packages' generated code has them
+  // Check sums by genmsg from the texts of omni_msgs, geomagic_control and crtk_msgs. The generated code of those
+  // packages has the same first, second and fourth one.
   EXPECT_STREQ(devices::OmniState::md5(), "89c2a741de66e9e904f59a02b171dd6e");
   EXPECT_STREQ(devices::ButtonEvent::md5(), "fb77877e6b639935c3360838062f05f0");
   EXPECT_STREQ(devices::OmniFeedback::md5(), "e9083ac4fd95494e94fbb0c0f90b6c00");
@@ -148,7 +148,7 @@ TEST(DeviceReader, ReadsCrtkPosesWithATimeAndButtonsOfSeveralTopics) {
   pose.pose.position.y = 0.03;
   pose.pose.orientation.z = 1.0;
   ASSERT_TRUE(reader.pose(received(pose)));
-  EXPECT_EQ(reader.sample().poses, 0U) << "no stamp: not valid";
+  EXPECT_EQ(reader.sample().poses, 0U) << "a pose without a stamp is invalid";
   pose.header.stamp = ros::Time(5.0);
   ASSERT_TRUE(reader.pose(received(pose)));
   EXPECT_EQ(reader.sample().poses, 1U);
@@ -158,14 +158,14 @@ TEST(DeviceReader, ReadsCrtkPosesWithATimeAndButtonsOfSeveralTopics) {
   EXPECT_EQ(reader.sample().buttons, 2U);
   ASSERT_TRUE(reader.buttons(received(joyOf({1})), 0));
   EXPECT_EQ(reader.sample().buttons, 3U);
-  ASSERT_TRUE(reader.buttons(received(joyOf({2})), 1));  // a click that is over
+  ASSERT_TRUE(reader.buttons(received(joyOf({2})), 1));  // a click that has ended
   EXPECT_EQ(reader.sample().buttons, 1U);
 }
 
 TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
   const MasterConfig config = shipped("mtm");
   MasterDeviceReader reader(config, config.devices[0]);
-  EXPECT_EQ(reader.sample().is_ready, 0) << "it has not said so";
+  EXPECT_EQ(reader.sample().is_ready, 0) << "the device has not reported its state";
   EXPECT_EQ(reader.sample().is_stateless, 1);
   crtk::OperatingState state;
   for (const auto& [name, homed, ready] : {std::tuple("ENABLED", 1, 1), std::tuple("ENABLED", 0, 0),
@@ -177,7 +177,7 @@ TEST(DeviceReader, KnowsWhetherACrtkDeviceIsEnabledAndHomed) {
     EXPECT_EQ(reader.sample().is_stateless, 0);
   }
   const MasterConfig omni = shipped("omni");
-  EXPECT_EQ(MasterDeviceReader(omni, omni.devices[0]).sample().is_ready, 1) << "it has none";
+  EXPECT_EQ(MasterDeviceReader(omni, omni.devices[0]).sample().is_ready, 1) << "an Omni has no operating state";
   sensor_msgs::JointState joints;
   ASSERT_TRUE(reader.gripper(received(joints)));
   EXPECT_EQ(reader.sample().has_gripper, 0);
@@ -255,14 +255,14 @@ TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
 
 TEST(RestWatchTest, ADeviceRestsThatHasNotMovedForAMoment) {
   RestWatch watch;
-  // 20 mm/s, a pose every 10 ms, looked at every 5 ms
+  // 20 mm/s, a pose every 10 ms, checked every 5 ms
   double time = 0.0;
   for (int i = 0; i < 40; ++i, time += 0.005)
     EXPECT_FALSE(watch.look({4e-4 * (i / 2), 0.0, 0.05}, time)) << i;
   const Vector3 end(4e-4 * 19, 0.0, 0.05);
   EXPECT_FALSE(watch.look(end, 0.2));
   EXPECT_TRUE(watch.look(end, 0.211));
-  EXPECT_TRUE(watch.look(end + Vector3(1e-4, 0.0, 0.0), 0.22)) << "trembles";
+  EXPECT_TRUE(watch.look(end + Vector3(1e-4, 0.0, 0.0), 0.22)) << "trembling counts as rest";
   EXPECT_FALSE(watch.look(end + Vector3(0.0, 3e-4, 0.0), 0.225));
 }
 
@@ -275,23 +275,23 @@ TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceItIsSilent) {
   pedal.hear(true, 1.4);
   EXPECT_TRUE(pedal.look(true, 1.8, &news));
   EXPECT_EQ(news, "");
-  // its process is killed: the ROS master counts it on
+  // The publisher's process is killed, but the ROS master still counts it.
   EXPECT_FALSE(pedal.look(true, 2.0, &news));
   EXPECT_EQ(news, "pedal: nothing came on /foot for 600 ms while it was held: it counts as up");
   news.clear();
   EXPECT_FALSE(pedal.look(true, 9.0, &news));
-  EXPECT_EQ(news, "") << "once";
-  // whoever comes back with the foot on it
+  EXPECT_EQ(news, "") << "the silence is reported once";
+  // A publisher that comes back with the pedal down counts as up until a release.
   pedal.hear(true, 10.0);
   EXPECT_FALSE(pedal.look(true, 10.1, &news));
   pedal.hear(false, 10.2);
   pedal.hear(true, 10.3);
   EXPECT_TRUE(pedal.look(true, 10.4, &news));
-  // up and silent is nothing to tell
+  // Silence with the pedal up is not reported.
   pedal.hear(false, 10.5);
   EXPECT_FALSE(pedal.look(true, 20.0, &news));
   EXPECT_EQ(news, "");
-  // a message after a silence that nobody has looked at
+  // A message comes after a silence that no look() has noticed.
   pedal.hear(true, 20.1);
   pedal.hear(true, 21.0);
   EXPECT_FALSE(pedal.look(true, 21.0, &news));
@@ -305,7 +305,7 @@ TEST(PedalHoldTest, OneThatTellsChangesIsUpOnceNobodyPublishes) {
   EXPECT_FALSE(pedal.look(false, 101.0, &news));
   EXPECT_EQ(news, "pedal: nobody publishes /foot: it counts as up");
   news.clear();
-  EXPECT_FALSE(pedal.look(true, 102.0, &news)) << "another one, which has said nothing";
+  EXPECT_FALSE(pedal.look(true, 102.0, &news)) << "another publisher, which has sent nothing yet";
   pedal.hear(true, 103.0);
   EXPECT_TRUE(pedal.look(true, 104.0, &news));
   EXPECT_EQ(news, "");
@@ -327,7 +327,7 @@ TEST(ForceReadersTest, AreToldByNameOnceAndWhenTheyChange) {
   ForceReaders readers("left", "/left/servo_cf", "/left/measured_cp", 2.0);
   EXPECT_EQ(readers.look({}, "", 0.5), "");
   EXPECT_EQ(readers.look({"/saw"}, "", 0.6), "left: force on /left/servo_cf, read by 1: /saw");
-  EXPECT_EQ(readers.look({"/saw"}, "/saw", 5.0), "") << "who publishes the poses is among them";
+  EXPECT_EQ(readers.look({"/saw"}, "/saw", 5.0), "") << "the publisher of the poses is a reader";
   EXPECT_NE(readers.look({}, "/saw", 6.0).find("NOBODY any more"), std::string::npos);
   EXPECT_EQ(readers.look({}, "/saw", 7.0), "");
   EXPECT_EQ(readers.look({"/saw", "/bag"}, "/saw", 8.0), "left: force on /left/servo_cf, read by 2: /saw /bag");
@@ -358,11 +358,12 @@ TEST(AbsoluteListenerTest, IsToldWhereItIsMissing) {
   EXPECT_NE(listener.look(false, 6.0).find("nobody reads"), std::string::npos);
   AbsoluteListener there("left", "/left/absolute", 2.0);
   EXPECT_EQ(there.look(true, 0.5), "");
-  EXPECT_EQ(there.look(true, 2.5), "") << "nothing to tell of what is as it should be";
+  EXPECT_EQ(there.look(true, 2.5), "") << "no report while all is in order";
   EXPECT_NE(there.look(false, 2.6).find("nobody reads"), std::string::npos);
   AbsoluteListener early("left", "/left/absolute", 2.0);
   EXPECT_EQ(early.look(true, 0.5), "");
-  EXPECT_NE(early.look(false, 1.0).find("nobody reads"), std::string::npos) << "it was there: no need to wait";
+  EXPECT_NE(early.look(false, 1.0).find("nobody reads"), std::string::npos)
+      << "the listener had been there: no need to wait";
 }
 
 TEST(MasterStatus, SaysWhatIsWrong) {
@@ -413,13 +414,13 @@ TEST(DeviceReader, ADeviceThatIsDisabledLaterIsNotReadyAnyMore) {
   }
 }
 
-/** Motion in between starts the wait again, however long the device is watched. */
+/** Motion starts the wait again, however long the device has been watched. */
 TEST(RestWatchTest, OneThatStopsLateRestsLate) {
   RestWatch watch;
   watch.look({0.0, 0.0, 0.0}, 0.0);
   EXPECT_TRUE(watch.look({0.0, 0.0, 0.0}, 5.0));
   EXPECT_FALSE(watch.look({0.01, 0.0, 0.0}, 5.01));
-  EXPECT_FALSE(watch.look({0.01, 0.0, 0.0}, 5.02)) << "10 ms";
+  EXPECT_FALSE(watch.look({0.01, 0.0, 0.0}, 5.02)) << "at rest for only 10 ms";
   EXPECT_TRUE(watch.look({0.01, 0.0, 0.0}, 5.04));
 }
 
@@ -456,10 +457,10 @@ TEST(MasterStatus, ShowsEachHandsOwnFigures) {
   EXPECT_EQ(valueOf(left, "engaged"), "0");
   EXPECT_EQ(valueOf(left, "force_readers"), "2");
   EXPECT_EQ(valueOf(left, "driver_reads_force"), "1");
-  EXPECT_EQ(valueOf(right, "driver_reads_force"), "0") << "nobody reads it";
+  EXPECT_EQ(valueOf(right, "driver_reads_force"), "0") << "no driver reads the force";
 }
 
-/** An error is what lifts the pedal: a device that is locked or stands still is a warning. */
+/** Only a trouble that lifts the pedal is an error. A locked or frozen device is a warning. */
 TEST(MasterStatus, OnlyATroubleThatLiftsThePedalIsAnError) {
   const MasterConfig config = shipped("omni_pair");
   for (const DeviceTrouble trouble : {DeviceTrouble::kLocked, DeviceTrouble::kFrozen, DeviceTrouble::kSilent}) {

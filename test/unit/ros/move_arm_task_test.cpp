@@ -8,7 +8,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-/** A loop that plans and arms as the real one does, and a task. */
+/** A task, and a loop that plans and arms as the real one does. */
 class MoveArmTaskTest : public ::testing::Test {
  protected:
   MoveArmTaskTest() {
@@ -128,7 +128,7 @@ TEST_F(MoveArmTaskTest, CancellingWhilePlanningAndWhileArmed) {
     ASSERT_TRUE(task.isOver());
     EXPECT_TRUE(task.outcome().was_cancelled);
     EXPECT_EQ(task.outcome().code, ErrorCode::kPreempted);
-    EXPECT_EQ(task.outcome().report.id != 0, is_planned) << "what there was of it is reported";
+    EXPECT_EQ(task.outcome().report.id != 0, is_planned) << "an execution is reported if there was one";
     EXPECT_EQ(loop.planning.status, PlanningStatus::kIdle);
   }
   EXPECT_EQ(loop.count(RequestKind::kCancelPlan), 2);
@@ -214,7 +214,7 @@ TEST_F(MoveArmTaskTest, TheResultOfTheActionSaysAllOfIt) {
   EXPECT_EQ(result.planning_time, 0.25);
   EXPECT_EQ(result.report.execution, 4U);
   EXPECT_EQ(result.report.end, "no_pedal");
-  EXPECT_EQ(moveArmResult({}, ros::Time(9.0)).arm, "") << "no plan, no arm";
+  EXPECT_EQ(moveArmResult({}, ros::Time(9.0)).arm, "") << "without a plan there is no arm";
 }
 
 TEST_F(MoveArmTaskTest, EachOrderStartsWithNoOutcome) {
@@ -222,7 +222,7 @@ TEST_F(MoveArmTaskTest, EachOrderStartsWithNoOutcome) {
   planEnds(PlanStatus::kGoalInCollision);
   ASSERT_TRUE(task.look());
   begin();
-  EXPECT_EQ(task.outcome().plan.id, 0U) << "the failed plan was the one before";
+  EXPECT_EQ(task.outcome().plan.id, 0U) << "the failed plan belongs to the order before";
 }
 
 }  // namespace

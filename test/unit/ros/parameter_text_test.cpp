@@ -17,7 +17,7 @@ std::string textOf(const Value& value) {
   return parameterText(value, "ROS parameter /n/x");
 }
 
-/** As the configuration reads it. */
+/** Reads a value as the configuration does. */
 config::Section read(const Value& value) {
   return config::Section::fromText("x: " + textOf(value) + "\n", "test");
 }

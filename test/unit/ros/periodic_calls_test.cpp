@@ -11,7 +11,7 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = PeriodicCalls::Clock;
 
-/** When calls are made within 10 s whose thread does not run in the last `stall` of every 100 ms. */
+/** The times of calls within 10 s. Their thread does not run in the last `stall` of every 100 ms. */
 std::vector<Clock::time_point> callsIn10s(Missed missed, Clock::duration stall) {
   const Clock::time_point begin{};
   PeriodicCalls calls(2ms, missed, begin);
@@ -43,7 +43,7 @@ TEST(PeriodicCalls, InTimeTheyAreAPeriodApart) {
 TEST(PeriodicCalls, MissedOnesAreMadeUpForAtTwiceTheRate) {
   EXPECT_LT(callsIn10s(Missed::kDropped, 30ms).size(), 3700U);
   const auto calls = callsIn10s(Missed::kMadeUp, 30ms);
-  EXPECT_NEAR(static_cast<double>(calls.size()), 5000.0, 16.0) << "but for the debt of the last stall";
+  EXPECT_NEAR(static_cast<double>(calls.size()), 5000.0, 16.0) << "only calls of the last stall are still due";
   EXPECT_GE(shortestGap(calls), 1ms);
 }
 
@@ -56,7 +56,7 @@ TEST(PeriodicCalls, AfterALongStandHalfASecondIsMadeUp) {
     now = next;
     ++early;
   }
-  EXPECT_NEAR(early, 500, 2) << "for each missed call of 250 one that is due";
+  EXPECT_NEAR(early, 500, 2) << "250 missed calls, and 250 that come due meanwhile";
 }
 
 }  // namespace

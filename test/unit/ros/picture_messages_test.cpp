@@ -29,7 +29,7 @@ Bytes fields(int width, int height) {
   return rgb;
 }
 
-/** As a client of image_transport gets it. */
+/** Decodes a JPEG as a client of image_transport does. */
 Bytes decoded(const Bytes& jpeg, int width, int height) {
   const std::unique_ptr<void, int (*)(tjhandle)> handle(tjInitDecompress(), &tjDestroy);
   int w = 0, h = 0, subsampling = 0, space = 0;
@@ -87,7 +87,7 @@ TEST(CompressedImage, SaysItsFormatAsCompressedImageTransportDoes) {
   EXPECT_EQ(message.header.frame_id, "endoscope_optical_frame");
 }
 
-/** As the real camera's come through the view. */
+/** The real camera's pictures pass through the view like this one. */
 TEST(CompressedImage, OfAnothersPictureHasItsColoursAndItsHeader) {
   sensor_msgs::Image picture;
   picture.header.stamp = ros::Time(7, 8);
@@ -113,7 +113,7 @@ TEST(CompressedImage, OfAnothersPictureHasItsColoursAndItsHeader) {
   for (std::size_t i = 0; i < back.size(); ++i)
     ASSERT_NEAR(back[i], red[i % 3], 6) << i;
   picture.encoding = "yuv422";
-  EXPECT_FALSE(compress(picture, &encoder, &message)) << "goes through the view raw alone";
+  EXPECT_FALSE(compress(picture, &encoder, &message)) << "this encoding passes through the view only raw";
 }
 
 TEST(PictureStamp, PicturesOfOneStateHaveOne) {
@@ -121,13 +121,15 @@ TEST(PictureStamp, PicturesOfOneStateHaveOne) {
   const ros::Time now(1000, 500);
   const ros::Time left = stamp.of(40'000'000, 45'000'000, now);
   EXPECT_EQ(left, ros::Time(999, 995'000'500));
-  EXPECT_EQ(stamp.of(40'000'000, 45'020'000, now + ros::Duration(0, 20'007)), left) << "as two clocks are read";
-  EXPECT_EQ(stamp.of(73'000'000, 75'000'000, now), ros::Time(999, 998'000'500)) << "the next state's";
+  EXPECT_EQ(stamp.of(40'000'000, 45'020'000, now + ros::Duration(0, 20'007)), left)
+      << "the difference is that of reading two clocks";
+  EXPECT_EQ(stamp.of(73'000'000, 75'000'000, now), ros::Time(999, 998'000'500)) << "the stamp of the next state";
   EXPECT_EQ(stamp.of(0, 75'000'000, now), now);
-  EXPECT_EQ(stamp.of(0, 76'000'000, now + ros::Duration(0, 1'000'000)), ros::Time(1000, 1'000'500)) << "not known: now";
+  EXPECT_EQ(stamp.of(0, 76'000'000, now + ros::Duration(0, 1'000'000)), ros::Time(1000, 1'000'500))
+      << "an unknown time is now";
 }
 
-/** Pictures of an unknown time are each of now, however many there are. */
+/** Each picture of an unknown time is stamped with the present time. */
 TEST(PictureStamp, OfNoTimeIsNowEachTime) {
   PictureStamp stamp;
   for (const std::int64_t then : {std::int64_t{0}, std::int64_t{-1}}) {
@@ -140,7 +142,7 @@ TEST(PictureStatus, WarnsWhileThePictureIsLessThanConfigured) {
   using diagnostic_msgs::DiagnosticStatus;
   LivePicture picture;
   EXPECT_EQ(pictureStatus(picture).message, "none");
-  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::OK) << "--no-render";
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::OK) << "the daemon runs with --no-render";
   picture.fps = 30;
   picture.width = 640;
   picture.height = 360;
@@ -160,7 +162,7 @@ TEST(PictureStatus, IsAnErrorOnceItHasFailed) {
   EXPECT_NE(pictureStatus(picture).message.find("failed"), std::string::npos);
   picture.fps = 20;
   picture.level = 1;
-  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "and after the last good one";
+  EXPECT_EQ(pictureStatus(picture).level, DiagnosticStatus::ERROR) << "after the last good frame";
   EXPECT_EQ(pictureStatus(picture).message.find("20 Hz"), std::string::npos);
 }
 

@@ -45,10 +45,10 @@ TEST(Picture, WhatIsNotWholeIsRefused) {
   bad.push_back(message("rgb8", 6, kRgb));
   bad.back().height = 0;
   bad.push_back(message("rgb8", 0xFFFFFFFF, kRgb));
-  bad.back().width = 0x55555556;  // whose bytes overflow to few
+  bad.back().width = 0x55555556;  // the number of bytes overflows to a small one
   for (const sensor_msgs::Image& image : bad) {
     EXPECT_FALSE(toPicture(image, &picture)) << image.encoding << " " << image.width;
-    EXPECT_EQ(picture.rgb.size(), 3U) << "the last one stays";
+    EXPECT_EQ(picture.rgb.size(), 3U) << "the last picture stays";
   }
 }
 

@@ -34,7 +34,7 @@ TEST_F(PlanningClientTest, AnAnswerToSomebodyElseIsNone) {
   loop.on_tick = [this](int) { loop.shared.answers.tryPush({999, PlanningAnswer::kAccepted}); };
   EXPECT_EQ(client.ask(requestOf(RequestKind::kExecutePlan)).answer, PlanningAnswer::kNone);
   EXPECT_GE(loop.ticks, 250) << "a loop may be late for as long as max_backlog";
-  EXPECT_LE(loop.ticks, 1000) << "and nobody waits for ever";
+  EXPECT_LE(loop.ticks, 1000) << "the client does not wait for ever";
 }
 
 TEST_F(PlanningClientTest, AnExecutionThatWasNotAnsweredIsCalledOff) {
@@ -42,7 +42,7 @@ TEST_F(PlanningClientTest, AnExecutionThatWasNotAnsweredIsCalledOff) {
   loop.tick();
   ASSERT_EQ(loop.seen.size(), 2U);
   EXPECT_EQ(loop.seen[0].kind, RequestKind::kExecutePlan);
-  EXPECT_EQ(loop.seen[1].kind, RequestKind::kCancelPlan) << "it comes after, whenever the loop goes on";
+  EXPECT_EQ(loop.seen[1].kind, RequestKind::kCancelPlan) << "it follows the order, whenever the loop goes on";
 }
 
 TEST_F(PlanningClientTest, SoIsARepetition) {
@@ -86,7 +86,7 @@ TEST_F(PlanningClientTest, AnAnswerStaysWhateverComesAfterIt) {
   EXPECT_EQ(client.execution(id + 1)->end, ExecutionEnd::kFinished);
 }
 
-/** What nobody fetched does not fill the rings for those who ask next. */
+/** Answers that nobody fetched do not fill the rings for later requests. */
 TEST_F(PlanningClientTest, AHundredRequestsInARowGetTheirAnswers) {
   loop.on_request = [this](const Request& request) {
     loop.answer(request, PlanningAnswer::kAccepted);
@@ -107,7 +107,7 @@ TEST_F(PlanningClientTest, AFullRingIsNoAnswerAtOnce) {
   while (client.post(requestOf(RequestKind::kEngage))) {
   }
   EXPECT_EQ(client.ask(requestOf(RequestKind::kPlan)).answer, PlanningAnswer::kNone);
-  EXPECT_EQ(loop.ticks, 0) << "it waited for what was never posted";
+  EXPECT_EQ(loop.ticks, 0) << "the client waited for a request that was never posted";
 }
 
 TEST_F(PlanningClientTest, WhatShowsInTheStateIsNoAnswer) {

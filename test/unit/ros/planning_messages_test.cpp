@@ -105,7 +105,7 @@ TEST(PlanRequests, AreRefusedWithTheirReason) {
 class PathMessages : public ::testing::Test {
  protected:
   PathMessages() {
-    // The insertion alone moves, by 30 and 20 mm: the tip goes straight along the tool.
+    // Only the insertion moves, by 30 and 20 mm, so the tip moves straight along the tool.
     plan.status = PlanStatus::kSuccess;
     plan.arm = Arm::kGold;
     plan.waypoint_count = 3;
@@ -123,7 +123,7 @@ class PathMessages : public ::testing::Test {
 TEST_F(PathMessages, ATrajectoryRestsAtItsPointsForAnyPlayer) {
   const trajectory_msgs::JointTrajectory message = trajectory(plan, kD4);
   EXPECT_EQ(message.joint_names.at(2), "insertion_L");
-  EXPECT_TRUE(message.header.stamp.isZero()) << "begin when it arrives";
+  EXPECT_TRUE(message.header.stamp.isZero()) << "a zero stamp means: begin on arrival";
   ASSERT_EQ(message.points.size(), 3U);
   EXPECT_NEAR(message.points[1].positions.at(2), 0.43 - 0.47, 1e-12);
   EXPECT_EQ(message.points[1].velocities, std::vector<double>(7, 0.0));
@@ -187,7 +187,7 @@ TEST_F(PathMessages, TheTipsErrorCountsFromWhereTheModelIsWanted) {
   EXPECT_EQ(tipErrors(model, robot, config.arms.geometry).model, 0.0);
   model.planning.status = PlanningStatus::kExecuting;
   EXPECT_NEAR(tipErrors(model, robot, config.arms.geometry).model, 0.005, 1e-12);
-  EXPECT_EQ(tipErrors(model, robot, config.arms.geometry).robot, 0.0) << "it does not move";
+  EXPECT_EQ(tipErrors(model, robot, config.arms.geometry).robot, 0.0) << "the robot does not move";
   model.planning.on_robot = 1;
   EXPECT_NEAR(tipErrors(model, robot, config.arms.geometry).robot, 0.013, 1e-12);
 }
@@ -206,7 +206,7 @@ TEST(StatusClocks, CountFromTheFirstLookAtAStatusAndPlan) {
   EXPECT_EQ(clock.elapsed(), 0.0);
   model.tick = 1300;
   model.planning.plan = 4;
-  EXPECT_TRUE(clock.look(model)) << "another plan";
+  EXPECT_TRUE(clock.look(model)) << "another plan starts the clock again";
   EXPECT_EQ(clock.elapsed(), 0.0);
 }
 
@@ -294,7 +294,7 @@ TEST(NewestPath, IsNotHiddenByAnAnswerThatIsNone) {
   EXPECT_EQ(idOf({}), 0U);
 }
 
-/** What takes a path back from who shows it. */
+/** An empty path clears the one that a subscriber shows. */
 TEST(PlanMessages, OfNoPlanHaveNoPoints) {
   EXPECT_TRUE(trajectory(PlanResult{}, kD4).points.empty());
   const nav_msgs::Path path = tipPath(PlanResult{}, ArmGeometry{}, Pose{}, ros::Time());
@@ -302,7 +302,7 @@ TEST(PlanMessages, OfNoPlanHaveNoPoints) {
   EXPECT_EQ(path.header.frame_id, "world");
 }
 
-/** raven2.md 5.4: the green arm's names end in R, its wrist is negated and its tool turned the other way. */
+/** raven2.md 5.4: the green arm's names end in R, its wrist is negated and its tool rotates inversely. */
 TEST_F(PathMessages, OfTheGreenArmHaveItsNamesSignsAndKinematics) {
   plan.arm = Arm::kGreen;
   const trajectory_msgs::JointTrajectory message = trajectory(plan, kD4);
@@ -318,7 +318,7 @@ TEST_F(PathMessages, OfTheGreenArmHaveItsNamesSignsAndKinematics) {
   EXPECT_NEAR((Vector3(end.x, end.y, end.z) - tip).norm(), 0.0, 1e-12);
 }
 
-/** Distances of both tips from the place on the path, 3-4-5 and 6-8-10 millimetres, of the arm that executes. */
+/** Both tips of the executing arm are off the place on the path: by 5 mm (3-4-5) and 10 mm (6-8-10). */
 TEST_F(PathMessages, TipErrorsAreThoseOfTheArmThatExecutes) {
   for (const Arm arm : kArms) {
     const Arm other = arm == Arm::kGold ? Arm::kGreen : Arm::kGold;

@@ -34,7 +34,7 @@ std::string rateIn(const DiagnosticStatus& status) {
   return "none";
 }
 
-/** What becomes of a status that tells `count` and `failed` at that time. */
+/** @return what Rates makes of a status with `count` and `failed` at `now_ns`. */
 DiagnosticStatus after(Rates* rates,
                        std::uint64_t count,
                        std::int64_t now_ns,
@@ -53,7 +53,7 @@ std::string rateAfter(Rates* rates, std::uint64_t count, std::int64_t now_ns) {
 
 TEST(Rates, AreWhatWasCountedInTheTimeBetween) {
   Rates rates;
-  EXPECT_EQ(rateAfter(&rates, 5000, 10 * kSecond), "none") << "what was before is not known";
+  EXPECT_EQ(rateAfter(&rates, 5000, 10 * kSecond), "none") << "the count before is unknown";
   EXPECT_DOUBLE_EQ(std::stod(rateAfter(&rates, 6000, 11 * kSecond)), 1000.0);
   EXPECT_DOUBLE_EQ(std::stod(rateAfter(&rates, 6030, 13 * kSecond)), 15.0);
 }
@@ -98,7 +98,7 @@ TEST(Rates, WhatShouldTalkAndIsSilentIsAWarning) {
   EXPECT_EQ(silent.level, DiagnosticStatus::WARN);
   EXPECT_NE(silent.message.find("silent"), std::string::npos) << silent.message;
   const DiagnosticStatus between = after(&rates, 2000, 3 * kSecond + kSecond / 20, 1000.0);
-  EXPECT_EQ(between.level, DiagnosticStatus::WARN) << "until the next second shows otherwise";
+  EXPECT_EQ(between.level, DiagnosticStatus::WARN) << "the warning stays until the next second";
   EXPECT_EQ(after(&rates, 3000, 4 * kSecond, 1000.0).level, DiagnosticStatus::OK);
 }
 
@@ -117,7 +117,7 @@ TEST(Rates, ATenthLessThanExpectedIsGoodMoreIsNot) {
   EXPECT_NE(words.find("500 Hz where 1000 are expected"), std::string::npos) << words;
 }
 
-/** A picture of 10 Hz has 9 frames in a second as well as 10. */
+/** A picture of 10 Hz may have 9 or 10 frames in a second. */
 TEST(Rates, OneMoreOrLessInASecondIsNothing) {
   Rates rates;
   after(&rates, 0, kSecond, 10.0);
@@ -131,7 +131,7 @@ TEST(Rates, WhatBeganToBeExpectedInBetweenIsNotJudgedYet) {
   EXPECT_EQ(after(&rates, 200, 3 * kSecond, 1000.0).level, DiagnosticStatus::WARN);
 }
 
-/** Whoever looked at pictures has stopped looking within the second. */
+/** The viewer of the pictures left within the second. */
 TEST(Rates, WhatIsNotExpectedAnyMoreMayBeSilent) {
   Rates rates;
   after(&rates, 0, kSecond, 30.0);
@@ -149,7 +149,7 @@ TEST(Rates, WhatNobodyExpectsMayBeSilentAndFail) {
 TEST(Rates, FailuresThatGrowAreAWarning) {
   Rates rates;
   after(&rates, 0, kSecond, 1000.0, 5);
-  EXPECT_EQ(after(&rates, 1000, 2 * kSecond, 1000.0, 5).level, DiagnosticStatus::OK) << "those of before";
+  EXPECT_EQ(after(&rates, 1000, 2 * kSecond, 1000.0, 5).level, DiagnosticStatus::OK) << "only old failures";
   const DiagnosticStatus failing = after(&rates, 2000, 3 * kSecond, 1000.0, 8);
   EXPECT_EQ(failing.level, DiagnosticStatus::WARN);
   EXPECT_NE(failing.message.find("3 could not be sent"), std::string::npos) << failing.message;
@@ -171,7 +171,7 @@ TEST(Rates, AnErrorStaysOne) {
 
 class DaemonStreams : public ::testing::Test {
  protected:
-  /** The daemon's statuses a second on. */
+  /** The daemon's statuses one second later. */
   diagnostic_msgs::DiagnosticArray tell() {
     now_ns += kSecond;
     auto array = diagnostics(counts, *shared, RobotState{}, now_ns, "real-time", ros::Time(1, 0));
@@ -255,7 +255,7 @@ TEST_F(DaemonStreams, AConsoleAndARobotThatWereThereAndAreSilentAreWarnings) {
     EXPECT_EQ(of(array, name).level, DiagnosticStatus::WARN) << name;
     EXPECT_NE(of(array, name).message.find("silent"), std::string::npos) << name;
   }
-  EXPECT_EQ(of(array, "daemon to robot link").level, DiagnosticStatus::OK) << "we do talk";
+  EXPECT_EQ(of(array, "daemon to robot link").level, DiagnosticStatus::OK) << "the daemon does send";
 }
 
 TEST_F(DaemonStreams, AConsoleOfWhichNothingIsTakenIsAWarning) {
@@ -267,7 +267,7 @@ TEST_F(DaemonStreams, AConsoleOfWhichNothingIsTakenIsAWarning) {
   EXPECT_EQ(of(tell(), "master to daemon link").level, DiagnosticStatus::WARN);
 }
 
-/** A real Raven's states come without counts of what it received. */
+/** A real Raven's states do not count the packets that it received. */
 TEST_F(DaemonStreams, TheRateToARealRobotIsThatOfWhatIsSent) {
   for (int i = 0; i < 3; ++i) {
     count(&counts.robot_state, 1000);
@@ -289,7 +289,7 @@ TEST_F(DaemonStreams, ForcesThatDoNotGoOutAreAWarning) {
   EXPECT_EQ(failing.level, DiagnosticStatus::WARN);
   EXPECT_NE(failing.message.find("1000 could not be sent"), std::string::npos) << failing.message;
   count(&counts.master, 1000);
-  EXPECT_EQ(of(tell(), "forces to console").level, DiagnosticStatus::WARN) << "nothing is sent at all";
+  EXPECT_EQ(of(tell(), "forces to console").level, DiagnosticStatus::WARN) << "no force is sent";
 }
 
 TEST_F(DaemonStreams, ALoopThatStoppedIsAWarning) {
@@ -304,7 +304,7 @@ TEST_F(DaemonStreams, PicturesAreExpectedWhileSomebodyLooks) {
   picture.fps = 30;
   tell();
   ++picture.frames;
-  EXPECT_EQ(of(tell(), "live picture").level, DiagnosticStatus::OK) << "one a second, for nobody";
+  EXPECT_EQ(of(tell(), "live picture").level, DiagnosticStatus::OK) << "one picture a second without a viewer";
   picture.watched = 1;
   tell();
   picture.frames += 30;

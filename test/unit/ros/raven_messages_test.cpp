@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kDegree = kPi / 180.0;
 
-/** The home pose of raven2.md 2.3 on both arms, told apart by channel. */
+/** The home pose of raven2.md 2.3 on both arms, whose channels begin at 0 and 8. */
 RavenReport home() {
   RavenReport report;
   report.runlevel = 2;
@@ -135,7 +135,7 @@ TEST(RavenAutomove, IsTruncatedToWholeMicrometresAndRefusedIfNotFinite) {
   EXPECT_EQ(move->dp_um[1][1], -12);
   EXPECT_EQ(move->dp_um[1][2], std::numeric_limits<std::int32_t>::max());
   EXPECT_EQ(move->dq[0], kIdentityQuat);
-  EXPECT_EQ(move->dq[1], (Quat{0, 0, 0, 0})) << "the robot does not take it for the identity";
+  EXPECT_EQ(move->dq[1], (Quat{0, 0, 0, 0})) << "the robot must not take it for the identity";
   message.tf_incr[1].rotation.z = std::nan("");
   EXPECT_FALSE(toAutomove(message));
 }
@@ -150,7 +150,7 @@ class RavenStateReaderTest : public ::testing::Test {
     const double q[3] = {30 * kDegree + rate[0] * k * 1e-3, 90 * kDegree + rate[1] * k * 1e-3,
                          0.4 + rate[2] * k * 1e-3};
     Message message;
-    message.hdr.stamp.fromNSec(1000000000000ULL + static_cast<std::uint64_t>(k) * 1000000);  // never numbered
+    message.hdr.stamp.fromNSec(1000000000000ULL + static_cast<std::uint64_t>(k) * 1000000);  // without a number
     message.dt = ros::Duration(0.001);
     message.runlevel = 3;
     message.sublevel = 0;
@@ -160,7 +160,8 @@ class RavenStateReaderTest : public ::testing::Test {
         message.jpos[arm + i] = static_cast<float>(q[i] / kDegree);
         message.mpos[arm + i] = static_cast<float>((A[i][0] * q[0] + A[i][1] * q[1] + A[i][2] * q[2]) / kDegree);
       }
-      // the tool stands still: its motors only follow the insertion, s +1 gold, -1 green, grasper 1 the other way
+      // The tool does not move: its motors only follow the three positioning joints. s is +1 for gold and -1 for green;
+      // grasper 1 has the opposite sign.
       const double follow = (tool[0] * q[0] + tool[1] * q[1] + tool[2] * q[2]) / kDegree;
       const double s = arm == 0 ? 1.0 : -1.0;
       for (const std::size_t i : {4U, 5U, 7U})
@@ -181,7 +182,7 @@ TEST_F(RavenStateReaderTest, GivesSiUnitsAndAllVelocitiesFromTheMotors) {
     auto message = moving<raven_2::RavenState>(k, rate);
     message.dac_val[2] = 1234;
     message.dac_val[15] = -4321;
-    message.jpos[3] = 99.0F;  // not connected
+    message.jpos[3] = 99.0F;  // this channel is not connected
     ASSERT_TRUE(reader.read(message, 1000 + k, &state));
   }
   EXPECT_EQ(state.cycle, 200U);
@@ -218,7 +219,7 @@ TEST_F(RavenStateReaderTest, ALostMessageIsACycleAndNoJumpOfVelocity) {
 }
 
 TEST_F(RavenStateReaderTest, UnevenCyclesAreNotLostMessages) {
-  // Stamped late by up to 0.7 ms, every third: the robot's own dt says so too.
+  // Every third message is stamped 0.7 ms late, and the robot's dt agrees.
   for (int k = 0; k < 300; ++k) {
     auto message = moving<raven_2::RavenState>(k, {0.2, 0.0, 0.0});
     const auto late = [](int i) { return ros::Duration(i % 3 == 1 ? 0.0007 : 0.0); };
@@ -260,7 +261,7 @@ TEST_F(RavenStateReaderTest, ARestartedSourceGoesOnCountingAndStartsWithoutVeloc
   for (int k = 0; k < 50; ++k)
     reader.read(moving<raven_2::RavenState>(k, {0.2, 0.0, 0.0}), k, &state);
   raven_2::RavenState anew;
-  anew.hdr.stamp.fromNSec(1000000000000ULL + 80 * 1000000ULL);  // 31 ms later, the first of a new start
+  anew.hdr.stamp.fromNSec(1000000000000ULL + 80 * 1000000ULL);  // 31 ms later, the first message after a restart
   anew.runlevel = 1;
   ASSERT_TRUE(reader.read(anew, 60, &state));
   EXPECT_EQ(state.cycle, 51U);
@@ -359,7 +360,7 @@ TEST(RavenStateMessage, EveryFieldIsItsOwn) {
   expectScaled(message.encoffsets, report.encoder_offset, 1.0, "encoffsets");
 }
 
-/** Arms that move differently: neither takes the other's positions, velocities or commands. */
+/** The arms move differently. Neither may get the other's positions, velocities or commands. */
 TEST_F(RavenStateReaderTest, EachArmIsReadFromItsOwnChannels) {
   for (int k = 0; k < 200; ++k) {
     auto message = moving<raven_2::RavenState>(k, {0.2, 0.0, 0.0});
@@ -380,7 +381,7 @@ TEST_F(RavenStateReaderTest, EachArmIsReadFromItsOwnChannels) {
   EXPECT_EQ(state.arms[1].dac[kElbow], -22);
 }
 
-/** Whatever breaks the stream: the first message after it shows no velocity, on either arm. */
+/** After any break of the stream the first message shows no velocity, on either arm. */
 TEST_F(RavenStateReaderTest, AnyBreakOfTheStreamStartsBothArmsWithoutVelocity) {
   for (const double step : {0.2, -0.01}) {  // [s] a gap of over 100 ms, the clock set back
     RavenStateReader broken(config.virtual_raven);

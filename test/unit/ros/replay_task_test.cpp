@@ -11,7 +11,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-/** Sessions lie beside each other in the tests' folder; the running one need not be there. */
+/** All sessions are in one folder of the tests. The running session need not be there. */
 class ReplayTaskTest : public ::testing::Test {
  protected:
   std::uint32_t open(const std::string& path) {
@@ -71,7 +71,7 @@ TEST_F(ReplayTaskTest, TellsWhyASessionCannotBeShown) {
   const ReplayTask::Outcome outcome = task.begin(folder);
   EXPECT_EQ(outcome.code, ErrorCode::kFailure);
   EXPECT_EQ(outcome.status, refusal);
-  EXPECT_TRUE(loop.seen.empty()) << "nothing to ask for";
+  EXPECT_TRUE(loop.seen.empty()) << "no request is sent";
 }
 
 TEST_F(ReplayTaskTest, InAnotherModeNothingIsOpenedForTheOneThatIsShownWouldEnd) {

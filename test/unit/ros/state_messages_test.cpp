@@ -12,7 +12,7 @@ namespace {
 constexpr double kD4 = -0.47;  // [m] raven2.md 2.1
 const ros::Time kStamp(30, 7);
 
-/** Joints that differ from joint to joint and from arm to arm. */
+/** Joint values that differ from joint to joint and from arm to arm. */
 JointArray numbers(Arm arm, double first) {
   JointArray q{};
   for (std::size_t j = 0; j < kJointCount; ++j)

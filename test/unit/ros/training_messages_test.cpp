@@ -75,7 +75,7 @@ TEST(ExerciseProgressMessage, TheTimerRunsFromItsBeginningToItsEnd) {
   EXPECT_DOUBLE_EQ(message.elapsed, 1.5);
   EXPECT_EQ(message.failure, "broke_off");
   model.exercise.began = model.exercise.ended = -1;
-  EXPECT_EQ(exerciseProgress(model, twoTracks(), kStamp).elapsed, 0.0) << "not begun";
+  EXPECT_EQ(exerciseProgress(model, twoTracks(), kStamp).elapsed, 0.0) << "the exercise has not begun";
 }
 
 TEST(ExerciseProgressMessage, WithoutAnExerciseThereIsNone) {
@@ -129,7 +129,7 @@ TEST(ExerciseEvents, AnArmIsToldWhereThereIsOne) {
   event.arm = Hand::kGreen;
   event.a = 1;
   EXPECT_EQ(told(event).arm, "green");
-  EXPECT_EQ(told(event).mistake, "") << "wire_touch is merely the first of the list";
+  EXPECT_EQ(told(event).mistake, "") << "not wire_touch, which is only the first of the list";
   event.kind = ExerciseEventKind::kBegan;
   EXPECT_EQ(told(event).arm, "");
 }
@@ -180,7 +180,7 @@ TEST(Changes, WhatAMessageTellsIsSeenAndWhatGoesOnInEveryTickIsNot) {
   EXPECT_FALSE(isSameMode(model, later));
 }
 
-/** Numbers of those that a reader gets who saw `seen`; they are told apart by their ticks. */
+/** Numbers of the events that a reader gets after the first `seen`. The tick of an event shows its number. */
 std::vector<std::uint64_t> unseen(const ExerciseNews& news, std::uint64_t seen) {
   std::vector<std::uint64_t> numbers;
   for (std::uint64_t n = news.firstAfter(seen); n <= news.count; ++n) {
@@ -201,7 +201,7 @@ TEST(ExerciseNewsCell, AReaderGetsEachEventOnceAndSeesWhichOnesItMissed) {
   for (Tick n = 6; n <= 200; ++n)
     news.add({1000 + n, {}});
   const std::vector<std::uint64_t> kept = unseen(news, 5);
-  EXPECT_EQ(kept.front(), 137U) << "64 are kept";
+  EXPECT_EQ(kept.front(), 137U) << "the last 64 are kept";
   EXPECT_EQ(kept.back(), 200U);
 }
 
@@ -220,7 +220,7 @@ TEST(RealPictures, AreShownIfAllTheirBytesAreThere) {
   EXPECT_FALSE(isWhole(picture));
 }
 
-/** Each fact that a message tells is a change by itself. */
+/** Each fact in a message counts as a change. */
 TEST(Changes, EveryFactOfTheModeIsOne) {
   const std::vector<void (*)(ModelState*)> changes{
       [](ModelState* m) { m->mode = Mode::kPaused; }, [](ModelState* m) { m->pedal = 1; },

@@ -170,7 +170,7 @@ TEST(CsvExport, RefusesAFileThatCannotBeWritten) {
   EXPECT_THROW(exportTicksCsv(scratchPath("empty.rlog"), "/dev/full", {}), SessionException);
 }
 
-/** What column `title` holds for the arm, worked out from the record. */
+/** The title and value of each of the arm's columns, computed from the record. */
 std::vector<std::pair<std::string, double>> cellsOf(const TickRecord& record, const Vec3& force_B, Arm arm) {
   const ArmState& model = at(record.model.arms, arm);
   const RobotArmState& robot = at(record.robot.arms, arm);

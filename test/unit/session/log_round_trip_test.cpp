@@ -87,7 +87,7 @@ Contents writeRandomLog(const std::string& path, std::uint64_t seed, int rounds)
 TEST(SessionLog, TakesNoMemoryForABatchThatRoomWasTakenFor) {
   const std::string path = scratchPath("reserved.rlog");
   LogWriter log(path, LogHeader{});
-  log.write(CommandRecord{});  // what waits is kept
+  log.write(CommandRecord{});  // waiting records are kept
   log.reserve(500000);
   EXPECT_EQ(raven2_trainer::testing::allocatorCalls([&] {
               for (int i = 0; i < 200; ++i)

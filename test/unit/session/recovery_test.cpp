@@ -59,7 +59,7 @@ class Session {
     checkpoint();
     release();
   }
-  /** What a SIGKILL leaves: the file as it is, and the log without what was not committed. */
+  /** Leaves the files as a SIGKILL does: the flight recorder's as it is, the log without its uncommitted part. */
   void kill() {
     flight_file_ = flight->description();
     flight->keep();
@@ -161,7 +161,7 @@ TEST(Recovery, MissesAndDoublesNothingWhereverTheRecorderWasKilled) {
     session.push(7);
     session.kill();
     EXPECT_TRUE(isUnclean(session.paths));
-    EXPECT_FALSE(isBeingWritten(session.paths)) << "by nobody any longer";
+    EXPECT_FALSE(isBeingWritten(session.paths)) << "no process writes it any longer";
     const Recovery done = recoverSession(session.paths);
     EXPECT_EQ(done.status, RecoveryStatus::kRecovered);
     EXPECT_EQ(tallyTotal(done.recovered), step >= 3 ? 7u : 57u) << "killed after step " << step;
@@ -297,7 +297,7 @@ TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {
   for (int i = 0; i < raven2_trainer::testing::effort(60, 1000); ++i) {
     Bytes bytes = flight;
     for (std::uint32_t n = 0; n < 1 + random.next() % 20; ++n) {
-      // a third in the head, the rest where the records stand
+      // a third of the changes in the head, the rest in the records
       const std::size_t span = random.next() % 3 == 0 ? checkpoints : checkpoints + 400 * sizeof(TickRecord);
       bytes[random.next() % span] ^= static_cast<std::uint8_t>(1U << (random.next() % 8));
     }
@@ -313,7 +313,7 @@ TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {
     ASSERT_EQ(session.summary.bad_bytes, 0u);
     for (std::size_t k = 1; k < ticks.size(); ++k)
       ASSERT_LT(ticks[k - 1], ticks[k]);
-    // each is there or counted as lost; without a usable flight recorder what the log held stays
+    // each record is there or counted as lost; without a usable flight recorder the log's records stay
     ASSERT_EQ(ticks.size() + done.lost[0], done.flight_recorder == "used" ? 310u : 10u) << done.flight_recorder;
   }
 }
@@ -343,7 +343,7 @@ TEST(Recovery, GoesOnAtTheCheckpointBeforeATornOne) {
   tearNewestCheckpoint(session.flightFile());
   const Recovery done = recoverSession(session.paths);
   EXPECT_EQ(done.flight_recorder, "used");
-  EXPECT_EQ(tallyTotal(done.recovered), 25u) << "what the torn one said was written is written again";
+  EXPECT_EQ(tallyTotal(done.recovered), 25u) << "the records of the torn checkpoint are written again";
   EXPECT_EQ(session.ticks(), session.all());
 }
 
@@ -364,7 +364,7 @@ TEST(Recovery, GoesOnAtTheLastIntactRecordOfALogThatEndsBeforeItsCheckpoint) {
   EXPECT_EQ(session.summary.bad_bytes, 0u);
 }
 
-/** What the queue had no room for, and what a byte on its way destroyed. */
+/** Some records had no room in the queue, and changed bytes destroyed others. */
 TEST(Recovery, AddsUpWhatWasLostForDifferentReasons) {
   Session session("two_losses");
   SKIP_WITHOUT_TMPFS(session);

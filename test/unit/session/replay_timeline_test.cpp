@@ -154,7 +154,7 @@ TEST(ReplayTimeline, WhatIsNewIsInTheFirstInstantThatIsNoOlder) {
   ASSERT_EQ(instants[2].plans.size(), 2U);
   EXPECT_EQ(instants[2].plans[0].id, 4U);
   EXPECT_EQ(instants[2].plans[1].id, 5U);
-  EXPECT_EQ(instants[0].haptic.tick, -1) << "there is none";
+  EXPECT_EQ(instants[0].haptic.tick, -1) << "no haptic record yet";
 }
 
 TEST(ReplayTimeline, BegunLaterItKnowsThePlanOfBeforeAndTellsNoOldEvents) {
@@ -177,7 +177,7 @@ TEST(ReplayTimeline, BegunLaterItKnowsThePlanOfBeforeAndTellsNoOldEvents) {
   EXPECT_EQ(instants[1].events.size(), 1U);
 }
 
-/** A log has a CRC, not a conscience. */
+/** A tick with a valid CRC may still be out of order or have an impossible time. */
 TEST(ReplayTimeline, TicksThatCannotFollowAreLeftOut) {
   ReplayTimeline timeline(1, -1);
   timeline.add(tickAt(5));
@@ -193,7 +193,7 @@ TEST(ReplayTimeline, TicksThatCannotFollowAreLeftOut) {
   EXPECT_EQ(ticksOf(all(&timeline)), (std::vector<Tick>{5, 7}));
 
   ReplayTimeline no_time(1, -1);
-  odd.model.time_ns = 0;  // what ROS takes for "no clock yet"
+  odd.model.time_ns = 0;  // ROS takes 0 for "no clock yet"
   no_time.add(odd);
   no_time.finish();
   EXPECT_TRUE(all(&no_time).empty());

@@ -87,7 +87,7 @@ TEST(FileHash, IsFnv1a64) {
   EXPECT_THROW(fileHash(::testing::TempDir()), SessionException);
 }
 
-/** What a ConfigSource refers to. */
+/** The data that a ConfigSource refers to. */
 struct Configured {
   std::vector<std::string> files;
   std::map<std::string, std::string> overridden;
@@ -148,7 +148,7 @@ SessionMeta makeMeta(const std::string& version) {
 
 TEST(SessionMeta, IsReadAsItWasWritten) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta_read"));
-  EXPECT_EQ(readStartTime(paths), "") << "there is none";
+  EXPECT_EQ(readStartTime(paths), "") << "no file yet";
   EXPECT_TRUE(readBuild(paths).empty());
   writeMeta(paths, makeMeta("1"), Configured{});
   EXPECT_EQ(readStartTime(paths), "2026-01-31T12:00:00Z");

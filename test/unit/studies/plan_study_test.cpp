@@ -81,7 +81,7 @@ TEST(PlanCases, TakeWhatIsChosen) {
   EXPECT_EQ(cases[1].max_samples, 200U);
   choice.eta.push_back(0.2);
   cases = tableCases(trainer().planner, choice);
-  ASSERT_EQ(cases.size(), 1U) << "the one that is asked for";
+  ASSERT_EQ(cases.size(), 1U) << "only the requested one";
   EXPECT_EQ(cases[0].eta_clearance, 0.2);
 }
 

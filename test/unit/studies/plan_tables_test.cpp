@@ -146,7 +146,7 @@ TEST(PlanTable, WhatOmplsPlannersDoNotTellIsLeftEmpty) {
     run.statistics.draws = 1234;
     const std::vector<PlanTableRow> rows = tableRows({stock}, {run});
     const std::string line = tableLine(rows[0]), row = runsLine(stock, run);
-    // GIVEN that FMTstar and FMT take n samples, and FMTstar alone tells how many it kept
+    // GIVEN that FMTstar and FMT take n samples, and only FMTstar reports how many it kept
     const bool is_ours = std::string(planner) == "FMTstar", has_n = is_ours || std::string(planner) == "FMT";
     EXPECT_EQ(under("success_percent", tableHeader(), line), "100") << planner;
     EXPECT_EQ(under("success_at_n_percent", tableHeader(), line), has_n ? "100" : "") << planner;
@@ -168,7 +168,7 @@ TEST(PlanRuns, TheFirstColumnsAreThosePromised) {
 
 TEST(PlanRuns, ARowOfASuccess) {
   PlanRun run = good(0.25, 0.0911, 750);
-  run.seed = 9007199254740991;  // the greatest of the program's: to the last digit, or nobody can repeat the run
+  run.seed = 9007199254740991;  // the program's greatest seed; a run can be repeated only with all its digits
   run.statistics.edge_checks = 123456789;
   run.statistics.rollout_time = 0.02;
   const std::string line = runsLine(options(), run);

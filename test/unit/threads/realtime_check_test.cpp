@@ -51,7 +51,7 @@ TEST_F(Environment, AStickyFolderProtectsTheFoldersInItButNotNewFiles) {
   ::chmod(root.c_str(), 01777);
   EXPECT_TRUE(reasons().empty());
   ::chmod(root.c_str(), 0777);
-  EXPECT_EQ(reasons().size(), 1U) << "whoever may rename share/ may put another in its place";
+  EXPECT_EQ(reasons().size(), 1U) << "any user may rename share/ and replace it";
   ::chmod(root.c_str(), 0755);
   ::chmod(file.parent_path().c_str(), 01777);
   EXPECT_EQ(reasons().size(), 1U) << "a scenario may be added to it";

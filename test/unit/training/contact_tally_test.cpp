@@ -95,7 +95,7 @@ TEST(ContactTally, SortsByPartner) {
   tally.add(makeContact(1, kJawR, kRing));
   tally.add(makeContact(1, kWire, kRing));
   tally.add(makeContact(1, kJawR, kStand));
-  tally.add(makeContact(1, kRing, kStand));   // no tool: nobody's mistake
+  tally.add(makeContact(1, kRing, kStand));   // no tool: no mistake
   tally.add(makeContact(1, kJawL, kWristL));  // an arm and itself
   const std::array<std::uint64_t, kPartnerCount> expected{0, 1, 0, 1, 1, 1, 1, 1};
   for (std::size_t i = 0; i < kPartnerCount; ++i)
@@ -140,7 +140,7 @@ TEST(ForceTally, TakesThePercentileOfTheTicksWithAForce) {
   EXPECT_EQ(ForceTally(1.0).summary().p95, 0.0);
 }
 
-/** A tool's number may be below or above that of what it meets; a force has three axes and a sign. */
+/** A tool's number may be below or above that of its partner; a force has three axes and a sign. */
 TEST(ContactTally, CountsEitherArmWhateverTheNumbersAndTheDirectionOfTheForce) {
   for (const auto& [jaw, wrist] : {std::pair{kJawL, kWristL}, {kJawR, kWristR}}) {
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -49,7 +49,7 @@ TEST(Curriculum, CountsAnAttemptForTheStageUnderWayOnly) {
 
 TEST(Curriculum, TellsAnExerciseFromItsDrill) {
   const std::string pegs = "p+ p+ p+ p+ p+ ";
-  EXPECT_EQ(after(pegs + "r+ j+ r+").current, 2u);  // the drill in between was not asked for, and breaks no row
+  EXPECT_EQ(after(pegs + "r+ j+ r+").current, 2u);  // the drill in between is no part of the stage, and breaks no row
   EXPECT_EQ(after(pegs + "r+ r+ r+").current, 2u);
   EXPECT_EQ(after(pegs + "r+ r+ j-").current, 2u);
   EXPECT_EQ(after(pegs + "r+ r+ j- j+ p-").current, 3u);

@@ -24,7 +24,7 @@ Speed then(double before, Tick when, double after) {
   return [=](Tick t) { return t < when ? before : after; };
 }
 
-/** Nothing is felt or seen of the robot. */
+/** A window in which the hand feels nothing and the robot shows nothing. */
 HazardWindow makeQuietWindow(const Speed& speed, Tick until = 6000) {
   HazardWindow window;
   window.motion_scale = kScale;
@@ -54,7 +54,7 @@ void push(HazardWindow* window, Tick begin, Tick end, const Vec3& force) {
     at(sampleAt(window, t).force_I, Arm::kGold) = force;
 }
 
-/** A cue from the injection on. */
+/** A felt force from the injection on. */
 HazardWindow makeWindow(const Speed& speed) {
   HazardWindow window = makeQuietWindow(speed);
   push(&window, 0, 300, {0.0, kFeltForce, 0.0});
@@ -103,7 +103,7 @@ TEST(HazardResponse, PedalUpIsExactAndRight) {
   EXPECT_EQ(result.sense, Sense::kForce);
 }
 
-/** A force of so many newtons on one hand for so long, and a long release well behind it. */
+/** A force of `newton` on one hand for `length` ms, and a long release of the pedal well behind it. */
 HazardResponse afterForce(Arm arm, double newton, Tick length, Tick recovery = 6000) {
   HazardWindow window = makeQuietWindow(goingOn);
   for (Tick t = 200; t < 200 + length; ++t)
@@ -113,7 +113,7 @@ HazardResponse afterForce(Arm arm, double newton, Tick length, Tick recovery = 6
   return judge(window);
 }
 
-/** The same with the robot's tip so far from the model's. */
+/** As afterForce(), but with the robot's tip `gap` away from the model's. */
 HazardResponse afterGap(Arm arm, double gap, Tick length, bool has_robot = true) {
   HazardWindow window = makeQuietWindow(goingOn);
   for (Tick t = 200; t < 200 + length; ++t) {
@@ -185,7 +185,7 @@ TEST(HazardResponse, ItTakesLongerToDisengageThanTwoClutches) {
   EXPECT_EQ(disengagedFor(0), 2000);
   EXPECT_EQ(disengagedFor(1000), 2000);
   EXPECT_EQ(disengagedFor(1001), 2002);
-  EXPECT_EQ(disengagedFor(60000), 10000) << "or nobody could answer who has paused for long";
+  EXPECT_EQ(disengagedFor(60000), 10000) << "or nobody could answer after a long pause";
 }
 
 TEST(HazardResponse, WhoDisengagesBehindAClutchIsTimedFromTheSecondRelease) {
@@ -199,10 +199,10 @@ TEST(HazardResponse, WhoDisengagesBehindAClutchIsTimedFromTheSecondRelease) {
 TEST(HazardResponse, RetreatBeginsWithTheFirstTickOfItsRun) {
   const HazardWindow window = makeWindow(then(0.08, 300, -0.05));
   expectFirst(judge(window), Response::kRetreat, 300);
-  EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "every stroke ends so";
+  EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "every stroke ends like this";
   ResponseRule rule;
   rule.right = {Response::kRetreat};
-  EXPECT_EQ(judge(window, rule).verdict, Verdict::kRight) << "where it is asked for";
+  EXPECT_EQ(judge(window, rule).verdict, Verdict::kRight) << "if the rule asks for it";
 }
 
 TEST(HazardResponse, AShortStepBackIsNoRetreat) {
@@ -327,14 +327,14 @@ TEST(HazardResponse, WhoHasLetGoBeforeAnybodyReactsAnswersByStayingSo) {
     HazardWindow window = makeWindow(goingOn);
     liftPedal(&window, begin, 6000);
     EXPECT_EQ(judge(window).verdict, Verdict::kRight) << begin;
-    EXPECT_EQ(judge(window).deciding.after, kQuickest) << "sooner nobody could decide it";
+    EXPECT_EQ(judge(window).deciding.after, kQuickest) << "nobody can react sooner";
     EXPECT_EQ(judge(window).coincidences.size(), begin < 0 ? 0u : 1u);
     sampleAt(&window, 1500).pedal = 1;
-    EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "it went down, and up again in time";
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "the pedal went down, and up again in time";
     EXPECT_EQ(judge(window).deciding.after, 1501);
     for (Tick t = 1500; t < 6000; ++t)
       sampleAt(&window, t).pedal = 1;
-    EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "whoever goes on has answered nothing";
+    EXPECT_EQ(judge(window).verdict, Verdict::kNone) << "a trainee who goes on has not answered";
   }
 }
 
@@ -360,7 +360,7 @@ HazardWindow makeTwoPresses(Tick recovery) {
   return window;
 }
 
-/** From 3000 ms on the robot's arm comes along, as the model does. */
+/** From 3300 ms on, the robot's arm moves with the model. */
 void moveAlong(HazardWindow* window, Arm arm, double metres) {
   for (Tick t = 3300; t < 6000; ++t) {
     at(sampleAt(window, t).robot_B, arm) = {metres, 0.0, 0.0};
@@ -372,20 +372,20 @@ TEST(HazardResponse, InTheAftermathAPressThatTheRobotDoesNotFollowIsPartOfTheAns
   constexpr Tick kFirst = 3000, kSecond = 4000;
   for (const Arm arm : kArms) {
     HazardWindow window = makeTwoPresses(6000);
-    EXPECT_EQ(judge(window).answer_time, kSecond) << "it stood";
+    EXPECT_EQ(judge(window).answer_time, kSecond) << "the arm did not move";
     moveAlong(&window, arm, 0.99 * kSeenGap);
     EXPECT_EQ(judge(window).answer_time, kSecond) << "too little to be seen";
     moveAlong(&window, arm, 1.01 * kSeenGap);
     EXPECT_EQ(judge(window).answer_time, kFirst);
     HazardWindow again = window;
     push(&again, 3499, 3500, {0.0, 0.0, kFeltForce});
-    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is felt again";
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "the force is felt again";
     again = window;
     at(sampleAt(&again, 3499).model_B, arm) = {};
-    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is seen again";
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "the gap is seen again";
     again = window;
     sampleAt(&again, 3499).linked = 0;
-    EXPECT_EQ(judge(again).answer_time, kSecond) << "it is deaf again";
+    EXPECT_EQ(judge(again).answer_time, kSecond) << "the robot does not follow again";
   }
 }
 
@@ -441,7 +441,7 @@ TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {
   expectFirst(result, Response::kSlow, 250);
   EXPECT_EQ(result.deciding.response, Response::kPedalUp);
   EXPECT_EQ(result.deciding.after, 2400);
-  EXPECT_EQ(result.reaction.after, 2400) << "the slowing was the work's own";
+  EXPECT_EQ(result.reaction.after, 2400) << "the slowing was part of the work";
   rule.wrong = {Response::kSlow};
   EXPECT_EQ(judge(window, rule).verdict, Verdict::kWrong);
 }
@@ -460,7 +460,7 @@ TEST(HazardResponse, WhatTheRuleDoesNotNameIsNoReactionToACueThatCameWithIt) {
   }
 }
 
-/** A hand on 200 N/m and 10 Ns/m with 0.5 kg: as config/console.yaml's kind. */
+/** A hand model of 0.5 kg, 200 N/m and 10 Ns/m, as in config/console.yaml. */
 HandConfig makeHand() {
   HandConfig hand;
   hand.hand_mass = 0.5;
@@ -483,7 +483,7 @@ std::vector<double> pushed(const std::vector<double>& newton) {
   return places;
 }
 
-/** A force of 3 N against the motion pushes the hand back, whatever its owner does. */
+/** A force of 3 N against the motion pushes the hand back, whatever the trainee does. */
 HazardWindow makePushedWindow() {
   HazardWindow window = makeQuietWindow(then(0.03, 0, 0.03));
   push(&window, 150, 4000, {-3.0, 0.0, 0.0});
@@ -499,7 +499,7 @@ HazardWindow makePushedWindow() {
 TEST(HazardResponse, WhatTheForceDidToTheHandIsNoResponse) {
   const HazardWindow window = makePushedWindow();
   ASSERT_FALSE(judge(window).coincidences.empty());
-  EXPECT_EQ(judge(window).coincidences[0].response, Response::kRetreat);  // what it would be taken for
+  EXPECT_EQ(judge(window).coincidences[0].response, Response::kRetreat);  // without the explanation by the force
   const HazardResponse result = judgeResponse(window, {}, explainByForce(window.samples, makeHand()));
   expectFirst(result, Response::kPushOn, 1650, 0);
   EXPECT_TRUE(result.coincidences.empty());
@@ -535,7 +535,7 @@ TEST(HazardResponse, MeasuresExcursionForceAndDurationUntilRecovery) {
   EXPECT_NEAR(result.peak_force, 2.0, 1e-12);
   EXPECT_NEAR(result.impulse, 0.780 * 0.2 + 0.120 * 2.0, 1e-9);
   EXPECT_EQ(result.force_after, 100);
-  EXPECT_EQ(result.cue_after, 700);  // 0.2 N is not noticed
+  EXPECT_EQ(result.cue_after, 700);  // 0.2 N is too little to notice
 }
 
 TEST(HazardResponse, OfNothingIsNothing) {

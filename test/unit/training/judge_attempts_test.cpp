@@ -6,8 +6,8 @@
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/training/tissue_distance.h"
 
-// The judge by arm, by object, by side and by attempt: nothing may hold for gold, for the first object, upwards or in
-// the first attempt alone.
+// The judge by arm, by object, by side and by attempt. No rule may hold only for gold, for the first object, upwards,
+// or in the first attempt.
 
 namespace raven2_trainer::training::testing {
 namespace {
@@ -37,7 +37,7 @@ void restart(Bench* bench, bool gives_up) {
   bench->events.clear();
 }
 
-// ---- what an attempt leaves behind
+// ---- state after earlier attempts
 
 /** Whether the attempt before was given up, or is running when the next one starts. */
 class EveryAttempt : public ::testing::TestWithParam<bool> {};
@@ -153,7 +153,7 @@ TEST(JudgeStart, TakesBackAGivingUpThatCameBeforeIt) {
   EXPECT_EQ(bench.state().failure, ExerciseFailure::kGivenUp);
   bench.judge->start();
   bench.run(5);
-  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning) << "it was given up once";
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning) << "only the attempt before was given up";
 }
 
 // ---- either arm
@@ -189,7 +189,7 @@ TEST_P(EitherArm, IsTheWrongOneWhereTheStepAsksForTheOther) {
   }
 }
 
-/** Where nothing is judged, no hold goes on: the scene may be another one afterwards. */
+/** A hold ends where nothing is judged, because the scene may be different afterwards. */
 TEST_P(EitherArm, LetsGoWhereNothingIsJudged) {
   Bench bench(Bench::with({endless()}));
   bench.grip(arm());
@@ -209,7 +209,7 @@ TEST_P(EitherArm, TouchesWithItsOwnForceAndTimeEachTime) {
   const struct {
     double force;
     int ticks;
-  } touches[] = {{0.9, 40}, {0.2, 10}, {0.4, 25}};  // the first is the greatest: none adds up with it
+  } touches[] = {{0.9, 40}, {0.2, 10}, {0.4, 25}};  // the first is the greatest; later forces do not add to it
   for (const auto& touch : touches) {
     bench.touch(jawOf(arm()), kWire, touch.force);
     bench.run(touch.ticks);
@@ -228,7 +228,7 @@ TEST_P(EitherArm, PressesWithTheSumOfItsContactsInEachTickAlone) {
   bench.touch(jawOf(arm()), kWire, 0.06);  // below the rule's force, however often
   bench.run(20);
   EXPECT_EQ(bench.mistakes(Mistake::kWireTouch), 0U);
-  bench.touch(jawOf(other()), kWire, 0.06);  // and another party's does not add up with it
+  bench.touch(jawOf(other()), kWire, 0.06);  // and the other arm's force does not add to it
   bench.run(20);
   EXPECT_EQ(bench.mistakes(Mistake::kWireTouch), 0U);
   bench.touch(jawOf(arm()), kWire, 0.06);
@@ -264,7 +264,7 @@ TEST_P(EitherArm, IsTheNearerOneToTheTarget) {
   }
 }
 
-/** Whether an arm's tool gets to a place in any attitude of a grid of its own: by inverse kinematics and limits. */
+/** Whether an arm's tool reaches a place in any attitude of a separate grid, by inverse kinematics and limits. */
 bool reaches(Arm arm, const Vector3& p_W) {
   const ArmsConfig arms = testArms();
   const Pose X_WB{model::armBaseRotation(arm), toEigen(at(arms.rcm_W, arm))};
@@ -298,7 +298,7 @@ TEST_P(EitherArm, AloneReachesWhatLiesOnItsSide) {
     place = {-0.02, side * y, 0.016};
     if (reaches(arm(), place) && !reaches(other(), place)) break;
   }
-  ASSERT_TRUE(reaches(arm(), place) && !reaches(other(), place)) << "or this test could not tell";
+  ASSERT_TRUE(reaches(arm(), place) && !reaches(other(), place)) << "or this test proves nothing";
   for (const std::size_t slot : {kRingSlot, kBlockSlot}) {
     Bench bench(Bench::with({track({step({held(Hand::kBoth), held(Hand::kBoth, kBlockObject)})})}));
     bench.run(10);

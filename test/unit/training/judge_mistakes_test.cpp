@@ -6,7 +6,7 @@
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/random.h"
 
-// What counts as a mistake, and what fails an attempt, from hand-made contacts and poses.
+// Mistakes and failed attempts, from hand-made contacts and poses.
 
 namespace raven2_trainer::training::testing {
 namespace {
@@ -197,7 +197,7 @@ TEST(JudgeTouch, EndingWithTheAttemptLeavesRoomForItsEnd) {
   EXPECT_EQ(bench.state().status, ExerciseStatus::kFailed);
   EXPECT_EQ(bench.judge->eventCount(), ExerciseJudge::kMaxEvents);
   EXPECT_EQ(bench.count(E::kTouchEnded), 15);
-  ASSERT_EQ(bench.count(E::kFailed), 1) << "that it is over is always told";
+  ASSERT_EQ(bench.count(E::kFailed), 1) << "the end of the attempt is always reported";
 }
 
 // ---- drops
@@ -208,7 +208,7 @@ WatchRule dropRule(std::uint32_t limit = 0) {
   return r;
 }
 
-/** Lifts the ring with gold for so long and opens the jaws. */
+/** Lifts the ring with gold for `ticks` and opens the jaws. */
 void liftAndLetGo(Bench* bench, int ticks) {
   bench->grip(Arm::kGold);
   bench->run(20 + ticks);
@@ -314,7 +314,7 @@ TEST(JudgeDrop, LettingGoWhereNothingIsJudgedIsNone) {
   EXPECT_EQ(bench.mistakes(Mistake::kDrop), 0U);
 }
 
-// ---- what breaks off
+// ---- parts that break off
 
 TEST(JudgeBreak, FailsTheAttemptWhereTheRuleSaysSo) {
   Bench bench = watching({rule(Mistake::kBreakOff, 0, true)});
@@ -330,7 +330,7 @@ TEST(JudgeBreak, FailsTheAttemptWhereTheRuleSaysSo) {
   // WHEN the other one breaks off after the attempt
   bench.broken.mask = 3;
   bench.run(1);
-  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "it lies there all the same";
+  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "the part is still broken off";
   EXPECT_EQ(bench.mistakes(Mistake::kBreakOff), 1U);
   EXPECT_EQ(bench.count(E::kBrokeOff), 1);
 }
@@ -520,9 +520,9 @@ TEST(JudgeSetUp, TissueMustBeThereAndFixed) {
             std::string::npos);
 }
 
-// ---- whatever comes
+// ---- random input
 
-/** Contacts and poses at random, some of them of no sense at all. */
+/** Random contacts and poses, some of them impossible. */
 void disturb(Random* random, Bench* bench) {
   const auto pick = [&](std::uint32_t n) { return random->next() % n; };
   if (pick(20) == 0) bench->clearContacts();

@@ -5,7 +5,7 @@
 #include "judge_support.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
-// What steps wait for, from hand-made contacts and poses.
+// The conditions of steps, from hand-made contacts and poses.
 
 namespace raven2_trainer::training::testing {
 namespace {
@@ -17,7 +17,7 @@ Bench waitingFor(const Predicate& predicate, double dwell = 0.0) {
   return Bench(Bench::with({track({step({predicate}, dwell)})}));
 }
 
-/** Whether the step is done within so many ticks. */
+/** Whether the step is done within `ticks`. */
 bool isDone(Bench* bench, int ticks = 1) {
   bench->run(ticks);
   return bench->state().status == ExerciseStatus::kDone;
@@ -264,7 +264,7 @@ TEST(JudgeResting, TurnsSlowerThanATwentiethRadianASecond) {
   EXPECT_EQ(fast.state().status, ExerciseStatus::kRunning);
 }
 
-/** It is looked at every 20 ms, and the sine of half a rotation is zero. */
+/** The judge looks at the object every 20 ms, and the sine of half a revolution is zero. */
 TEST(JudgeResting, AnObjectThatTurnsOverBetweenTwoLooksDoesNotRest) {
   Bench bench = waitingFor(when(K::kResting));
   for (int i = 0; i < 1000; ++i) {
@@ -648,7 +648,7 @@ TEST(JudgeModes, ARehearsalIsNoPartOfTheAttempt) {
   EXPECT_EQ(bench.done(), 0);
   EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
   EXPECT_EQ(bench.mistakes(Mistake::kBreakOff), 0U);
-  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "it is seen";
+  EXPECT_EQ(bench.state().bodies[kTowerASlot], kBodyBrokenOff) << "the broken part is still shown";
   // WHEN it is undone
   bench.put(kRingSlot, {0.0, 0.0, 0.1});
   bench.broken.mask = 0;
@@ -662,7 +662,7 @@ TEST(JudgeModes, ARehearsalIsNoPartOfTheAttempt) {
   EXPECT_TRUE(isDone(&bench));
 }
 
-// ---- what triggers look at
+// ---- signals for triggers
 
 TEST(JudgeSignals, StepAndTissue) {
   Bench bench(Bench::with({track({step({around(kPegA)}), step({around(kPegB)})})}));

@@ -170,7 +170,7 @@ inline WatchRule rule(Mistake mistake, std::uint32_t limit = 0, bool fails = fal
   return r;
 }
 
-/** One judge with its world: what is set stays so from tick to tick. */
+/** One judge with its world. Every setting stays from tick to tick. */
 class Bench {
  public:
   explicit Bench(Exercise exercise, const SceneRoles& roles = testRoles()) : exercise_(std::move(exercise)) {
@@ -193,7 +193,7 @@ class Bench {
     return exercise;
   }
 
-  // ---- what is so from now on
+  // ---- state of the world
 
   void put(std::size_t slot, const Vec3& p_W, const Quat& q = kIdentityQuat) { model.bodies[slot] = {p_W, q}; }
   /** Turned about the horizontal x by an angle [rad]. */
@@ -239,7 +239,7 @@ class Bench {
       tick();
   }
 
-  // ---- what came of it
+  // ---- results
 
   const ExerciseState& state() const { return judge->state(); }
   int done(std::size_t track_index = 0) const { return state().done[track_index]; }

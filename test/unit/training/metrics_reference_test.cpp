@@ -110,7 +110,7 @@ MotionMetrics makeMotion(Arm lead) {
   motion.duration = 51.0;
   motion.idle = 0.59;
   for (std::size_t i = 0; i < kPartnerCount; ++i)
-    motion.touches[i] = {1000 + i, Tick{1} << i};  // a bit for each kind; an object is nobody's mistake
+    motion.touches[i] = {1000 + i, Tick{1} << i};  // a bit for each kind; touching an object is no mistake
   motion.contact_force = {6.1, 6.7, 7.1, 73, 1000};
   motion.haptic_force = {1e3, 1e3, 1e3, 1000, 1000};
   motion.out_of_view = 7.9;
@@ -170,7 +170,7 @@ TEST_P(MetricTable, HasNameUnitGroupDirectionAndValueOfEachMetric) {
   }
 }
 
-/** Without an exercise nobody counts mistakes: contacts stand for touches, and the rest has no value. */
+/** Without an exercise, the judge counts no mistakes: contacts count as touches, and other metrics have no value. */
 TEST(MetricTable, WithoutAnExerciseTouchesAreThoseOfAllContacts) {
   AttemptOutcome free = makeOutcome();
   free.status = ExerciseStatus::kNone;
@@ -261,7 +261,7 @@ ScoreSettings makeSettings(Arm lead) {
   settings.hand.hand_mass = 0.3;
   settings.hand.hand_stiffness = 300.0;
   settings.hand.hand_damping = 17.0;
-  // Three fifths of the way, then no farther.
+  // Three fifths of the distance, then no farther.
   settings.plan = [](const Transit& transit) {
     const Vec3 &a = transit.way_W.front(), &b = transit.way_W.back();
     return std::vector<Vec3>{a, {a[0] + 0.6 * (b[0] - a[0]), a[1], a[2]}};
@@ -286,7 +286,7 @@ void setMasters(Tick k, Arm lead, ModelState* model) {
   at(model->master_I, otherArm(lead)) = {0.0, 0.1, -0.002 * share};
 }
 
-/** The larger error is 2 mm, of the other arm, for 3 s, then 3 mm, of the leading one; what is no distance is huge. */
+/** The larger error is 2 mm (other arm) for 3 s, then 3 mm (leading arm); while it is unknown, it is 1 m. */
 void setRobot(Tick k, Arm lead, TickRecord* record) {
   const bool is_first = k < 3000;
   const double of_lead = is_first ? 0.001 : 0.003, of_other = is_first ? 0.002 : 0.0005;
@@ -360,7 +360,7 @@ SessionScore scoreMadeSession(Arm lead) {
   return scoreSession(path, makeSettings(lead));
 }
 
-// ---- what it should be
+// ---- expected values
 
 /** Speeds as doc/scores.md takes them: differences of places that are means of ten ticks. */
 std::vector<double> speedsOf(const Stroke& stroke) {
@@ -435,7 +435,7 @@ double correlationOfSpeeds() {
   return -kLead.length * kOther.length / (all * all) / std::sqrt(varianceOfSpeed(kLead) * varianceOfSpeed(kOther));
 }
 
-/** [m] by which each sample of what was carried is beyond three fifths of it. */
+/** [m] by which each sample of the transit is beyond three fifths of its length. */
 std::vector<double> beyondThePlan() {
   std::vector<double> places;
   for (double t = 1.0045; t < 3.0; t += 0.01) {
@@ -643,7 +643,7 @@ void expectHazard(std::map<std::string, double>* numbers, const std::string& pla
     EXPECT_NEAR((*numbers)[place + name], value, 1e-9) << place << name;
 }
 
-/** Each figure of the file is the number of its own, in the unit of its name (doc/scores.md). */
+/** Each figure of the file has the right number, in the unit of its name (doc/scores.md). */
 TEST(ScoreFile, SaysEveryNumberInTheUnitOfItsName) {
   SessionScore score;
   score.hazards = {makeHazard()};

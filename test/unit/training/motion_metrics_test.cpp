@@ -54,7 +54,7 @@ TEST(MotionMetrics, OfAStraightMinimumJerkStrokeAreItsClosedForms) {
   // numpy: -1.4058 or -1.4013 for a stroke whose samples leave out one end or neither.
   EXPECT_NEAR(gold(metrics).sparc.value(), -1.4035, 0.0025);
   EXPECT_EQ(gold(metrics).strokes, 1u);
-  EXPECT_EQ(overHands(metrics, &HandMotion::sparc), gold(metrics).sparc);  // the hand that rests says nothing
+  EXPECT_EQ(overHands(metrics, &HandMotion::sparc), gold(metrics).sparc);  // the hand at rest does not count
   EXPECT_EQ(metrics.ticks, 1510);
   EXPECT_NEAR(metrics.duration, 1.51, 1e-12);
 }
@@ -139,7 +139,7 @@ TEST(MotionMetrics, CutOutWhatDoesNotCount) {
   MotionAccumulator motion({});
   for (Tick k = 0; k < 1000; ++k)
     motion.add(makeRecord(k, {1e-5 * static_cast<double>(k), 0.0, 0.0}));
-  for (Tick k = 5000; k < 6000; ++k)  // somewhere else, without a way there
+  for (Tick k = 5000; k < 6000; ++k)  // somewhere else, without a motion there
     motion.add(makeRecord(k, {0.5 + 1e-5 * static_cast<double>(k - 5000), 0.0, 0.0}));
   const MotionMetrics metrics = motion.result();
   EXPECT_NEAR(gold(metrics).path, 2 * 99 * 1e-4, 1e-9);  // of 100 samples each
@@ -165,7 +165,7 @@ TEST(MotionMetrics, EndAStrokeAtACut) {
   EXPECT_EQ(cutStroke(500).strokes, 2u);
 }
 
-/** A tip that is stopped at once during a pause: what lies on both sides of it is without jerk. */
+/** A tip that changes its speed during a pause: the motions before and after the pause have no jerk. */
 TEST(MotionMetrics, TakeNoJerkOverACut) {
   MotionAccumulator motion({});
   for (Tick k = 0; k < 2000; ++k) {
@@ -249,7 +249,7 @@ TEST(MotionMetrics, AModelThatGoesBackToItsRobotIsNoHand) {
   }
 }
 
-/** The pedal is up as the attempt begins, and the model comes from where the robot was left. */
+/** The pedal is up as the attempt begins, and the model moves there from the robot's last position. */
 TEST(MotionMetrics, TheFirstPressOfAnAttemptBeginsAPieceToo) {
   MotionAccumulator motion({});
   for (Tick k = 0; k < 2000; ++k) {
@@ -275,7 +275,7 @@ TEST(TremorPowers, AQuickStrokeNowAndThenIsNoTremor) {
   ASSERT_EQ(powers.size(), 39U);
   std::sort(powers.begin(), powers.end());
   EXPECT_NEAR(std::sqrt(powers[19]), kTremor / std::sqrt(2.0), 0.02 * kTremor);
-  EXPECT_GT(std::sqrt(powers.back()), 5.0 * kTremor) << "or strokes could not be told";
+  EXPECT_GT(std::sqrt(powers.back()), 5.0 * kTremor) << "or the test has no strokes";
   EXPECT_TRUE(tremorPowers({places.begin(), places.begin() + 99}, kRate).empty());
 }
 

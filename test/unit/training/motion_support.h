@@ -6,15 +6,15 @@
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/core/types.h"
 
-// Made-up records of an attempt: what moves is a function of time.
+// Made-up records of an attempt: motion is a function of time.
 
 namespace raven2_trainer::training {
 
-constexpr Tick kFirstTick = 7000;  // of the attempts: not 0, so that an offset that is forgotten shows
+constexpr Tick kFirstTick = 7000;  // of the attempts: not 0, so that a forgotten offset shows
 
 using Path = std::function<Vec3(double t)>;  ///< [m] by [s]
 
-/** Share of the way of a minimum-jerk stroke that takes `duration`, at `t`. */
+/** Share of the distance of a minimum-jerk stroke that takes `duration`, at `t`. */
 inline double minimumJerk(double t, double duration) {
   const double s = std::min(1.0, std::max(0.0, t / duration));
   return 10.0 * std::pow(s, 3) - 15.0 * std::pow(s, 4) + 6.0 * std::pow(s, 5);

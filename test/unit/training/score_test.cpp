@@ -37,7 +37,7 @@ AttemptOutcome makeOutcome(ExerciseStatus status = ExerciseStatus::kDone) {
   return outcome;
 }
 
-/** That makeMotion() passes. */
+/** A band that makeMotion() passes. */
 Band makeBand() {
   Band band;
   band.metrics = {{"time", 45.0, 6.0, Better::kLower, 0.0},
@@ -158,7 +158,7 @@ TEST(Score, JudgesWhatTheExerciseAsksForAlone) {
   EXPECT_EQ(result.passed, true);
   EXPECT_FALSE(scoreOf(result, "time").is_scored);
   EXPECT_FALSE(scoreOf(result, "time").is_judged);
-  EXPECT_EQ(scoreOf(result, "time").band->mean, 45.0) << "told all the same";
+  EXPECT_EQ(scoreOf(result, "time").band->mean, 45.0) << "still reported";
   EXPECT_TRUE(scoreOf(result, "path").is_scored);
   EXPECT_EQ(scoreBy({makeScored("time"), makeScored("path")}, slow).passed, false);
 }
@@ -213,7 +213,7 @@ TEST(Score, NamesTheThreeWorstFirst) {
   at(motion.hands, Arm::kGold).path = 0.55;  // 650: 220 mm, 4.4 spreads beyond; sparc then -4.6 passes
   const AttemptScore result = score(band, motion);
   EXPECT_EQ(result.improve, (std::vector<std::string>{"path", "time"}))
-      << "no drop stands at its limit, and is perfect";
+      << "zero drops are exactly at the limit, and perfect";
 }
 
 TEST(Score, APassIsAMatterForAdviceOnlyWhereItNearlyFailed) {
@@ -260,7 +260,7 @@ TEST(Score, AHazardThatNobodyCouldNoticeNeitherPassesNorFails) {
   const Band band = makeBand();
   AttemptOutcome outcome = makeOutcome();
   const HazardScore nothing = makeHazard(Verdict::kNotJudged), right = makeHazard(Verdict::kRight);
-  EXPECT_EQ(score(band, makeMotion(), outcome, {nothing}).passed, true) << "nobody asked for one";
+  EXPECT_EQ(score(band, makeMotion(), outcome, {nothing}).passed, true) << "no drill asked for a response";
   EXPECT_EQ(score(band, makeMotion(), outcome, {nothing, makeHazard(Verdict::kNone)}).passed, false);
   outcome.is_drill = true;
   for (const std::vector<HazardScore>& hazards : {std::vector<HazardScore>{}, {nothing}}) {
@@ -269,7 +269,7 @@ TEST(Score, AHazardThatNobodyCouldNoticeNeitherPassesNorFails) {
       EXPECT_NE(advice, kHazardMetric);
     MotionMetrics slow = makeMotion();
     slow.duration = 500.0;
-    EXPECT_EQ(score(band, slow, outcome, hazards).passed, false) << "what failed without it has failed";
+    EXPECT_EQ(score(band, slow, outcome, hazards).passed, false) << "a failure without the hazard remains";
   }
   EXPECT_EQ(score(band, makeMotion(), outcome, {nothing, right}).passed, true);
 }

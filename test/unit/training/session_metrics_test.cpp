@@ -65,7 +65,7 @@ double goldError(const TickRecord& record) {
          at(record.model.arms, Arm::kGold).p_BT[0] - at(record.robot.arms, Arm::kGold).p_BT[0];
 }
 
-/** Tells the beginnings and ends that the ticks' active_fault means, and the distance to the haptic loop. */
+/** Adds the beginnings and ends that the ticks' active_fault implies, and the haptic record of each tick's distance. */
 class Accumulator : public MetricsAccumulator {
  public:
   using MetricsAccumulator::add;
@@ -152,7 +152,7 @@ TEST(SessionMetrics, AnExecutionBeginsInTheSessionTickOfItsPedalDown) {
   for (Tick t = 100; t < 350; ++t)
     metrics.add(makeExecutingTick(t));
   feed(&metrics, 350, 399, 0.0);
-  for (Tick t = 400; t < 1000; ++t) {  // the session's clock stood 150 ms before this one
+  for (Tick t = 400; t < 1000; ++t) {  // the session's clock stopped for 150 ms before this tick
     TickRecord tick = makeExecutingTick(t);
     tick.model.tick += 150;
     metrics.add(tick);
@@ -437,7 +437,7 @@ TEST(Injections, EndWithTheLink) {
   EXPECT_EQ(injection.clear_tick, 10);
   EXPECT_EQ(injection.clear_cycle, 70009U);
   EXPECT_TRUE(injection.is_assumed);
-  // The robot is back and tells the true end.
+  // The robot is back and reports the true end.
   TickRecord back = makeTick(900, 0.0);
   FaultChangeRecord end = makeChange(back, 2, false);
   end.change.cycle = 70700;
@@ -756,7 +756,7 @@ TEST(MetricsFile, WhatARobotDoesNotReportIsUnknownAndNotNought) {
   EXPECT_EQ(real.at("link").at("sent"), 88);
   EXPECT_TRUE(real.at("adds_up").is_null());
   const auto broken = relayOf([](SessionCounts* counts) { counts->robot_state.received = 51; });
-  EXPECT_EQ(broken.at("adds_up"), false) << "what is known does not add up";
+  EXPECT_EQ(broken.at("adds_up"), false) << "the known counts do not add up";
   const auto emulated = relayOf([](SessionCounts* counts) { counts->relay.received = counts->relay.applied = 87; });
   EXPECT_EQ(emulated.at("link").at("received"), 87);
   EXPECT_EQ(emulated.at("adds_up"), true);
@@ -826,7 +826,7 @@ TEST(Injections, OfTheDaemonAreOnTheRobotsClockAndOutliveItsLink) {
   metrics.add(record);
   std::vector<Injection> all = metrics.result().injections;
   ASSERT_EQ(all.size(), 2U);
-  EXPECT_EQ(all[0].inject_cycle, 5U) << "the robot's own is told by the robot";
+  EXPECT_EQ(all[0].inject_cycle, 5U) << "the robot reports its own faults";
   EXPECT_EQ(all[0].clear_tick, 10);
   EXPECT_TRUE(all[0].is_assumed);
   EXPECT_EQ(all[1].inject_cycle, 70003U) << "the daemon's is stamped with the robot's cycle";

@@ -144,7 +144,7 @@ ExerciseRecord makeEvent(Tick k, ExerciseEventKind kind) {
 TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
   begin();
   for (Tick k = 0; k < 100; ++k)
-    writer_->write(makeRecord(k));  // before there is one
+    writer_->write(makeRecord(k));  // before the first attempt
   writeTicks(writer_.get(), 100, 300, 1, ExerciseStatus::kWaiting);
   for (Tick k = 300; k < 1300; ++k) {
     if (k == 800) writer_->write(makeEvent(k, ExerciseEventKind::kMistake));
@@ -212,14 +212,14 @@ TEST_F(SessionScoreTest, AnAttemptThatFailsBeforeItsTimerStartsIsOne) {
   EXPECT_EQ(json["attempts"][0]["mistakes"]["break_off"], 1);
 }
 
-/** What breaks off while an attempt waits is told once, with the attempt that it was in. */
+/** A part that breaks off while an attempt waits is reported once, with that attempt. */
 TEST_F(SessionScoreTest, AMistakeBeforeTheTimerStartsIsOfTheAttemptThatWaits) {
   begin();
   for (const std::uint8_t attempt : {1, 2, 3}) {
     const Tick start = 1000 * (attempt - 1);
     writer_->write(makeEvent(start, ExerciseEventKind::kStarted));
     for (Tick k = start; k < start + 1000; ++k) {
-      const bool waits = k < start + 500 || attempt == 2;  // the second one is given up for the third before it begins
+      const bool waits = k < start + 500 || attempt == 2;  // the second attempt ends before its timer starts
       ExerciseRecord torn = makeEvent(k, ExerciseEventKind::kMistake);
       torn.event.mistake = attempt == 2 ? Mistake::kDrop : Mistake::kBreakOff;
       if (k == start + 200 && attempt != 3) writer_->write(torn);
@@ -503,7 +503,7 @@ RequestRecord makeStop(Tick k) {
   return stop;
 }
 
-/** As writeFault() without the pedal: a stop is asked for by request, by pedal, or not. */
+/** As writeFault() without the pedal: the trainee stops by request, by pedal, or not. */
 void writeStoppedFault(session::LogWriter* writer, bool by_request, bool by_pedal) {
   for (Tick k = 0; k < 6000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
@@ -534,7 +534,7 @@ TEST_F(SessionScoreTest, AnEmergencyStopIsAnAnswerByRequestAndByPedal) {
   }
 }
 
-/** Two faults of 100 ms, two seconds apart, each with touches of its own; while `lost` the robot's pose is no pose. */
+/** Two faults of 100 ms, 4 s apart, each with its own touches; while `is_lost`, the robot's pose is invalid. */
 void writeTwoFaults(session::LogWriter* writer, Arm arm) {
   for (Tick k = 0; k < 9000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
@@ -570,7 +570,7 @@ TEST_F(SessionScoreTest, EachHazardHasItsOwnTouchesAndDistancesOfEitherArm) {
     for (std::size_t i = 0; i < 2; ++i) {
       const HazardResponse& response = hazards[i].response;
       EXPECT_EQ(hazards[i].injection, 2000 + 4000 * static_cast<Tick>(i));
-      EXPECT_NEAR(response.excursion, i == 0 ? 0.01 : 0.02, 1e-12) << "while the robot is lost it is nowhere";
+      EXPECT_NEAR(response.excursion, i == 0 ? 0.01 : 0.02, 1e-12) << "a lost robot has no excursion";
       EXPECT_NEAR(response.error, i == 0 ? 0.01 : 0.02, 1e-12);
       EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].count, i + 1);
       EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].ticks, static_cast<Tick>(i) + 1);

@@ -13,8 +13,8 @@ namespace {
 constexpr double kRate = 100.0;  // [Hz]
 constexpr double kExact = 1e-7;  // relative: the references have seven places
 
-// Where a number stands without a formula it is numpy's, by the published definitions
-// (test/python/test_smoothness_references.py derives every one of them); those of the first test are published too
+// Numbers without a formula are from numpy, by the published definitions
+// (test/python/test_smoothness_references.py derives every one of them). Those of the first test are also published
 // (github.com/siva82kb/SPARC).
 
 struct Reference {
@@ -119,7 +119,7 @@ TEST(MeanJerk, OfAMinimumJerkStrokeIsTheClosedForm) {
     places.push_back({0.6 * kLength * part, 0.1, -0.8 * kLength * part});
   }
   const double closed = std::sqrt(720.0) * kLength / std::pow(kDuration, 3);  // 0.4770 m/s^3
-  // The first and the last of the differences stand one sample inside the ends, where the jerk is greatest: with
+  // The first and the last of the differences are one sample inside the ends, where the jerk is greatest: with
   // j(s) = 60 - 360 s + 360 s^2, 0.26 % at 1500 samples.
   EXPECT_NEAR(meanJerk(places, 1000.0).value(), closed, 0.005 * closed);
 }

@@ -97,7 +97,7 @@ TEST(TissueDistance, TakesTheNearestPointOfBothTools) {
   EXPECT_NEAR(box.measure({ToolPoints{far, far, far}, ToolPoints{far + near, near, far}}), 0.001, 1e-15);
 }
 
-/** Distance to a box as the least over a fine grid of its surface would give it: by projecting onto each face. */
+/** Distance to a box by projecting the point onto each face. */
 double slowBox(const Vector3& half, const Vector3& p) {
   double least = kInfinity;
   bool inside = true;

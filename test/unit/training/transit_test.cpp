@@ -13,7 +13,7 @@ ExerciseEvent makeEvent(ExerciseEventKind kind, Hand hand) {
   return event;
 }
 
-/** The arm takes something at once, carries it along the path for so long, and lets go. */
+/** The arm takes something at once, carries it along the path for `ticks`, and lets go. */
 std::vector<Transit> carry(const Path& path, Tick ticks, const PerArm<Pose>& X_WB = {}) {
   TransitCollector collector(X_WB);
   collector.add(makeEvent(ExerciseEventKind::kHeld, Hand::kGreen));
@@ -124,7 +124,7 @@ TEST(Transit, OfStepsAboutAnObjectIsOnlyWhatIsCarried) {
   tracks = makeTracks();
   tracks[0].steps[0].until[0].negated = 1;
   tracks[0].steps[2].until[0].hand = Hand::kAny;
-  EXPECT_EQ(reach(tracks).size(), 1u) << "which arm, or that it went away, is not said";
+  EXPECT_EQ(reach(tracks).size(), 1u) << "steps without an arm, or with a place to leave, are no transit";
 }
 
 TEST(DistanceTo, APolylineIsThatToItsNearestSegment) {
@@ -167,7 +167,7 @@ TEST(Economy, OfADetourIsTheShareOfTheStraightLine) {
   const Economy economy = compare({makeDetour()}, ends);
   EXPECT_NEAR(economy.ratio.value(), 0.06 / 0.10, 1e-9);
   EXPECT_NEAR(economy.off_path.value(), 0.02, 0.001);        // half the height of the triangle
-  EXPECT_NEAR(economy.off_path_p95.value(), 0.038, 0.0005);  // all but a twentieth of the way is below 38 mm
+  EXPECT_NEAR(economy.off_path_p95.value(), 0.038, 0.0005);  // all but a twentieth of the path is below 38 mm
 }
 
 TEST(Economy, AddsLengthsUpAndLeavesOutWhatHasNoPlan) {

@@ -3,7 +3,7 @@
 
 // Ten attacks on teleoperation (Bonaci et al. 2015; Alemzadeh et al. 2016; figures of the Raven's own rules:
 // sources.md 2.1), each against the Raven's rules, the hardened plain ingest and the signed one. The attacker reads
-// the wire and sends from `source`; he has not the key.
+// the wire and sends from `source`; the attacker does not have the key.
 
 namespace raven2_trainer::wire {
 namespace {
@@ -12,7 +12,7 @@ constexpr std::uint64_t kSurgeon = GateBench::kSurgeon;  // spoofed: the same ad
 constexpr std::uint64_t kOther = GateBench::kOther;
 constexpr int kPackets = 3000;
 
-/** What came of an attack. */
+/** The outcome of an attack. */
 struct Outcome {
   int surgeon;   ///< of the surgeon's packets, used
   int attacker;  ///< of the attacker's packets, used
@@ -53,7 +53,7 @@ Outcome leadAll(GateBench* bench, std::uint64_t source) {
   return outcome;
 }
 
-/** What the surgeon sent before, byte by byte, beside what he sends now. */
+/** Replays the surgeon's earlier packets, byte by byte, while the surgeon goes on. */
 Outcome replay(GateBench* bench, std::uint64_t source) {
   std::vector<std::vector<std::uint8_t>> recorded;
   for (int i = 0; i < 5000; ++i) {
@@ -109,7 +109,7 @@ Outcome tenfold(GateBench* bench, std::uint64_t) {
   return outcome;
 }
 
-/** The surgeon's next number with the pedal the other way. */
+/** The surgeon's next number with the pedal in the other state. */
 Outcome togglePedal(GateBench* bench, std::uint64_t source) {
   Outcome outcome{};
   std::vector<std::uint8_t> captured;
@@ -123,7 +123,7 @@ Outcome togglePedal(GateBench* bench, std::uint64_t source) {
   return outcome;
 }
 
-/** A metre in one packet, which a Raven answers with an E-STOP; the lead is gained with the first. */
+/** A metre in one packet, which a Raven answers with an E-STOP. The first packet gains the lead. */
 Outcome stop(GateBench* bench, std::uint64_t source) {
   Outcome outcome{};
   std::vector<std::uint8_t> captured;

@@ -15,7 +15,7 @@ constexpr std::int64_t kMs = 1'000'000;
 constexpr std::int64_t kSecond = 1'000 * kMs;
 constexpr std::int64_t kRounding = 1'000;  // [ns] of clocks and drift to whole nanoseconds, generously
 
-/** A peer at 1 kHz with a clock of its own; the test knows what the delay really is. */
+/** A peer at 1 kHz with a separate clock; the test knows the true delay. */
 struct Peer {
   /** @param[in] delay [ns] of this frame. @return the estimate. */
   std::int64_t frame(std::int64_t delay) {
@@ -56,7 +56,7 @@ TEST(FrameDelay, WhatWaitedInABufferIsAsOldAsItIs) {
   Peer peer;
   for (int i = 0; i < 5000; ++i)
     peer.frame(0);
-  // WHEN we are stopped for 12 s, longer than the window, and then read what came in its first 100 ms
+  // WHEN the reader stops for 12 s, longer than the window, and then reads the frames of its first 100 ms
   for (int i = 0; i < 100; ++i) {
     const std::int64_t waited = 12 * kSecond - i * kMs;
     EXPECT_NEAR(static_cast<double>(peer.frame(waited)), static_cast<double>(waited), 0.1e6) << i;

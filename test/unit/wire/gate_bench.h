@@ -35,7 +35,7 @@ inline ItpRules benchRules(bool hardened, ItpAuth auth) {
   return rules;
 }
 
-/** A gate, its honest surgeon, who sends a packet a millisecond, and whoever else can reach the port. */
+/** A gate, its honest surgeon, who sends a packet a millisecond, and other senders that can reach the port. */
 class GateBench {
  public:
   static constexpr std::uint64_t kSurgeon = 0x7F0000018CA0;  // address << 16 | port
@@ -100,7 +100,7 @@ class GateBench {
     return used;
   }
 
-  /** As an attacker without the key makes it: what he knows is the packet he wants, and what was on the wire. */
+  /** A packet forged without the key. The attacker knows the wanted packet, and the packets on the wire. */
   std::vector<std::uint8_t> forged(const ItpPacket& p, const std::vector<std::uint8_t>& captured) const {
     const ItpBytes itp = encodeItp(p);
     std::vector<std::uint8_t> bytes(itp.begin(), itp.end());

@@ -111,7 +111,7 @@ TEST(ItpGate, AfterAStallTheSurgeonIsTakenUpAtOnce) {
   GateBench bench(true, ItpAuth::kOff);
   bench.now_ns += 200'000'000;
   int used = 0;
-  for (int i = 0; i < 200; ++i)  // all that waited meanwhile, in one go
+  for (int i = 0; i < 200; ++i)  // all waiting packets at once
     used += bench.arrive(bench.next(true), kSurgeon) == Reject::kNone ? 1 : 0;
   EXPECT_EQ(used, 40) << "no jump of 200 packets' increments";
   EXPECT_EQ(bench.surgeonUsed(1000), 1000) << "nor is the window left behind";
@@ -271,7 +271,7 @@ TEST(ItpGate, AMasterIsHeardWithEveryPacketThatIsUsed) {
 TEST(ItpGate, ASupersededSessionNeverComesBack) {
   GateBench bench(true, ItpAuth::kRequired);
   bench.surgeon(false);
-  std::vector<std::uint8_t> unused = bench.next(false);  // kept by whoever reads the wire
+  std::vector<std::uint8_t> unused = bench.next(false);  // an attacker on the wire keeps it
   SignedSender second(&benchKey(), Audience::kDaemon), third(&benchKey(), Audience::kDaemon);
   for (SignedSender* sender : {&second, &third}) {
     ASSERT_TRUE(bench.shakeHands(sender, kSurgeon));

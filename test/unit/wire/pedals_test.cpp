@@ -110,7 +110,7 @@ TEST(NewestOnly, TakesWhatIsNewerWhateverWasLostBetween) {
   EXPECT_EQ(order.check(5000), Reject::kDuplicate);
   EXPECT_EQ(order.check(4999), Reject::kOutOfOrder);
   EXPECT_EQ(order.check(0), Reject::kOutOfOrder);
-  EXPECT_EQ(order.check(5001), Reject::kNone) << "what was refused moved nothing";
+  EXPECT_EQ(order.check(5001), Reject::kNone) << "a rejected number changes nothing";
 }
 
 TEST(NewestOnly, WrapsAndBeginsAnew) {
@@ -119,7 +119,7 @@ TEST(NewestOnly, WrapsAndBeginsAnew) {
   EXPECT_EQ(order.check(0), Reject::kNone);
   EXPECT_EQ(order.check(0xFFFFFFFFU), Reject::kOutOfOrder);
   EXPECT_EQ(order.check(0x7FFFFFFFU), Reject::kNone) << "the farthest ahead";
-  EXPECT_EQ(order.check(0xFFFFFFFFU), Reject::kOutOfOrder) << "half way round is behind";
+  EXPECT_EQ(order.check(0xFFFFFFFFU), Reject::kOutOfOrder) << "half of the range ahead counts as behind";
   order.reset();
   EXPECT_EQ(order.check(0xFFFFFFFFU), Reject::kNone);
 }

@@ -35,7 +35,7 @@ FrameBytes plan(std::uint32_t sequence, const FaultPlan& value) {
   return bytes;
 }
 
-/** The same pattern as the Python lines beside kStateCrc. */
+/** The same pattern as the Python lines in the test StateHasTheSizeAndCrcThatPythonComputes. */
 RobotState patternState() {
   RobotState value;
   value.cycle = 1000001;
@@ -92,7 +92,7 @@ FaultPlan patternPlan() {
   return value;
 }
 
-/** The only frame in these bytes; type 0 if there is none. */
+/** The only frame in these bytes; type 0: no frame. */
 Frame only(FrameParser* parser, const FrameBytes& bytes) {
   parser->feed(bytes.data(), bytes.size());
   Frame frame;
@@ -340,7 +340,7 @@ TEST(State, RefusesOtherSizesAndTypes) {
 
 TEST(State, RefusesWhatNoEncoderAndNoAmplifierCanSay) {
   std::vector<RobotState> bad(5, patternState());
-  bad[0].arms[1].motor[kShoulder] = 26355.0;  // two times 2^23 counts at 4000 a turn are 26353.6 rad
+  bad[0].arms[1].motor[kShoulder] = 26355.0;  // two times 2^23 counts at 4000 a revolution are 26353.6 rad
   bad[1].arms[0].q[kGrasp2] = -1.1e4;
   bad[2].arms[0].dq[kWrist] = 1.1e7;
   bad[3].arms[0].dac[kElbow] = 32768;
@@ -588,7 +588,7 @@ TEST(FrameParser, BreaksForEverOnAnyDamagedByteOfHeaderOrPayload) {
       bad[i] = static_cast<std::uint8_t>(bad[i] ^ flip);
       FrameParser parser;
       parser.feed(bad.data(), bad.size());
-      // a longer length waits for what follows; then the CRC tells
+      // a longer length waits for more bytes; then the CRC is wrong
       for (int more = 0; more < 20; ++more)
         parser.feed(good.data(), good.size());
       Frame frame;
@@ -643,7 +643,7 @@ TEST(FrameParser, StartsAfreshAfterReset) {
 }
 
 TEST(FrameParser, AResetForgetsWhatWasTakenAndWhatWasBegun) {
-  // GIVEN a link that breaks off in the middle of a frame, behind others of which some were taken
+  // GIVEN a link that breaks off in the middle of a frame, behind other frames, some of which were read
   for (int taken = 0; taken <= 2; ++taken) {
     FrameParser parser;
     FrameBytes stream = hello(1);

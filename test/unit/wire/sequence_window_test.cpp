@@ -164,7 +164,7 @@ TEST(SequenceWindow, ReceivedIsAlwaysAppliedPlusRejected) {
 
 TEST(SequenceWindow, AppliedAndLostNumbersCoverTheDistanceTravelled) {
   Random random(7);
-  std::uint32_t sequence = 0xFFFFF000U;  // wraps on the way
+  std::uint32_t sequence = 0xFFFFF000U;  // wraps during the test
   const std::uint32_t start = sequence;
   SequenceWindow window = windowAt(start);
   std::uint64_t applied = 0;

@@ -68,7 +68,7 @@ Reject decode(const Bytes& bytes) {
   return reason;
 }
 
-/** What is said of the vector changed so. */
+/** The verdict on the test vector after `change`. */
 Reject afterChange(const std::function<void(Sight&)>& change) {
   Sight sight = vectorSight();
   change(sight);

@@ -3,7 +3,7 @@
 #include "gate_bench.h"
 #include "raven2_trainer/wire/session_table.h"
 
-// The two sides of the handshake: when a sender asks, and what a receiver keeps of those who asked.
+// The two sides of the handshake: when a sender asks, and the records that a receiver keeps of the senders.
 
 namespace raven2_trainer::wire {
 namespace {

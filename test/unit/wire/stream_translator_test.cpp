@@ -65,7 +65,7 @@ TEST(StreamTranslator, CountsBecomeAUnitQuaternionOfEitherArmAndSign) {
     }
   }
   ItpPacket wild = still();
-  wild.Qx[1] = 2e4;  // more than any turn has
+  wild.Qx[1] = 2e4;  // too large for any rotation
   EXPECT_EQ(checkItp(used(&stream, wild), {2000, 0.1}), Reject::kBadQuaternion);
   wild.Qx[1] = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(checkItp(used(&stream, wild), {2000, 0.1}), Reject::kNotFinite);
@@ -81,7 +81,7 @@ TEST(StreamTranslator, AnAbsoluteGraspBecomesHowFarItWent) {
       stream.forget();
       ItpPacket packet = still();
       packet.grasp_mrad[arm] = 700;
-      EXPECT_EQ(used(&stream, packet).grasp_mrad[arm], 0) << "where it is at first moves nothing";
+      EXPECT_EQ(used(&stream, packet).grasp_mrad[arm], 0) << "the first position moves nothing";
       packet.grasp_mrad[arm] = 690;
       EXPECT_EQ(used(&stream, packet).grasp_mrad[arm], std::lround(-10 * scale));
       ItpPacket lost = packet;
@@ -119,7 +119,7 @@ TEST(StreamTranslator, AxesAndScaleTurnAndStretchAndNothingIsLostInRounding) {
   EXPECT_NEAR(static_cast<double>(sum[2]), -600.0, 0.51);
 }
 
-/** A left-handed console: what moves along x moves along x, and what turns right turns left. */
+/** A left-handed console: motion along x stays along x, and a right rotation becomes a left one. */
 TEST(StreamTranslator, MirroredAxesTurnTheOtherWay) {
   StreamProfile p = profile();
   p.axes = kAsTheyAre;
@@ -152,7 +152,7 @@ TEST(StreamTranslator, APedalThatIsDownFromTheStartWaitsForAPress) {
   EXPECT_EQ(used(&as_sent, still(1, 1)).surgeon_mode, 1);
 }
 
-/** What a dV-Trainer sends, through the gate that refused it. */
+/** The packets of a dV-Trainer, through the gate that refused them. */
 TEST(StreamTranslator, AtTheGateALooseConsoleIsTakenWithItsProfileAlone) {
   for (const bool has_profile : {false, true}) {
     ItpRules rules;
@@ -180,7 +180,7 @@ TEST(StreamTranslator, AtTheGateALooseConsoleIsTakenWithItsProfileAlone) {
       if (robots.judge(arrival, &other) == Reject::kNone) ++robots_taken;
     }
     EXPECT_EQ(taken, has_profile ? 200 : 0);
-    EXPECT_EQ(robots_taken, 0) << "what goes to a robot is proper ITP";
+    EXPECT_EQ(robots_taken, 0) << "a robot receives only proper ITP";
     if (!has_profile) continue;
     EXPECT_EQ(packet.surgeon_mode, 1);
     EXPECT_EQ(packet.grasp_mrad, (PerArm<std::int32_t>{0, 1}));

@@ -12,7 +12,7 @@ constexpr std::int64_t kMillisecond = 1'000'000;
 /** A console at 1 kHz, looked at every 100 ms. */
 class StreamWatchTest : public ::testing::Test {
  protected:
-  /** @param[in] bad of ten packets, refused for `reason`. @return how often something was told. */
+  /** @param[in] bad of ten packets, refused for `reason`. @return the number of findings. */
   int seconds(int count, int bad, Reject reason = Reject::kBadQuaternion, int rate = 1000) {
     int told = 0;
     for (int ms = 0; ms < 1000 * count; ++ms) {
