@@ -9,8 +9,17 @@ import sys
 
 import raven2_session
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent
-SIMULATE = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer/simulate"
+HERE = pathlib.Path(__file__).resolve().parent
+ROOT = HERE.parent
+
+
+def program(name):
+    """Path of one of our programs: next to this file (installed), or in the build of the source tree."""
+    build = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build"))
+    return HERE / name if (HERE / name).exists() else build / "devel/lib/raven2_trainer" / name
+
+
+SIMULATE = program("simulate")
 
 
 class LockstepError(Exception):

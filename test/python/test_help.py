@@ -1,4 +1,5 @@
-"""--help of every program and script: status 0, what it is for, every option and exit status; names by the tab key.
+"""--help of every program and script returns 0 and explains the purpose, every option and the exit status. The tab key
+completes the programs' names.
 
 Needs the built programs, in $RAVEN2_TRAINER_BUILD or build/.
 """
@@ -17,21 +18,21 @@ PROGRAMS = re.findall(r"^raven2_program\((\w+)", (ROOT / "CMakeLists.txt").read_
 SCRIPTS = sorted(path for path in (ROOT / "scripts").iterdir()
                  if path.is_file() and os.access(path, os.X_OK))
 VERDICTS = ["campaign_report", "check_layering.py", "check_package", "check_fresh_debian", "check_slurm", "compare_replay",
-            "describe_hazards", "doctor", "fuzz", "generate_description", "make_bands", "measure_drills", "measure_hazards",
+            "describe_hazards", "doctor", "fuzz", "generate_description", "make_bands", "make_dataset", "measure_drills", "measure_hazards",
             "run",
-            "session_report", "session_sums", "soak", "stress", "summarise_tests", "test"]  # what their status says is a result
-CLI11_COLUMN = 28  # where descriptions begin, after one blank where a name reaches so far
+            "session_report", "session_sums", "soak", "stress", "summarise_tests", "test"]  # exit status is a result
+CLI11_COLUMN = 28  # descriptions begin here; one blank separates a name that ends just before
 COMPLETION = pathlib.Path("/usr/share/bash-completion/completions/rosrun")
 
 
 @pytest.fixture(scope="module")
 def home(tmp_path_factory):
-    """Matplotlib keeps a cache there."""
+    """A home folder for all runs, because matplotlib keeps a cache in it."""
     return tmp_path_factory.mktemp("home")
 
 
 def ask(program, home):
-    """What it says to --help, without anything that its surroundings could add."""
+    """Output of --help in a minimal environment."""
     environment = {"PATH": "/usr/bin:/bin:/usr/sbin:/sbin", "COLUMNS": "150", "HOME": str(home), "LANG": "C.UTF-8"}
     result = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=120, env=environment,
                             check=False)
@@ -41,13 +42,13 @@ def ask(program, home):
 
 
 def purpose(text):
-    """Its first line; of argparse's the first after the usage."""
+    """First line of a help text; for argparse, the first line after the usage."""
     paragraphs = text.split("\n\n")
     return paragraphs[1 if paragraphs[0].startswith("usage:") else 0].splitlines()[0]
 
 
 def entries(text):
-    """Options and arguments of the lists that argparse and CLI11 make: name, description."""
+    """[(name, description)] of the options and arguments that argparse and CLI11 list."""
     found, current = [], None
     is_list = is_cli11 = False
     for line in text.splitlines():
@@ -100,9 +101,9 @@ def test_scripts_explain_themselves(path, home):
     for option, description in entries(text):
         assert len(description) > 5, f"{option} has no description"
     for option in names_in_source(path):
-        assert option in text, f"{option} is not told of"
+        assert option in text, f"--help does not mention {option}"
     if path.name in VERDICTS:
-        assert re.search(r"\b[Ee]xit", text), "what does its status mean?"
+        assert re.search(r"\b[Ee]xit", text), "--help does not explain the exit status"
 
 
 def test_options_are_found_in_sources_and_in_lists():

@@ -1,4 +1,4 @@
-"""What the Debian package, the container and a fresh system are made from agrees; the package itself: scripts/check_package."""
+"""The files for the Debian package, the container and a fresh system agree. scripts/check_package tests the package."""
 
 import pathlib
 import re
@@ -35,24 +35,24 @@ def test_another_kind_and_another_option_are_refused():
 
 
 def test_catkin_lint_finds_neither_errors_nor_warnings():
-    """Without the network: names that are no ROS packages are looked at below."""
+    """Runs offline. The next test checks the names that are not ROS packages."""
     result = subprocess.run(["catkin_lint", "--offline", "-W1", ROOT], capture_output=True, text=True, timeout=120,
                             check=False)
     assert result.returncode == 0 and "found 0 problems" in result.stderr, result.stdout + result.stderr
 
 
 def test_package_xml_names_nothing_that_rosdep_does_not_know():
-    """Of the keys that are no ROS packages: those of rosdep's base.yaml and python.yaml (ros/rosdistro, 2026), and `ompl`, a
-    package of ROS noetic."""
+    """Known keys that are not ROS packages are in rosdep's base.yaml and python.yaml (ros/rosdistro, 2026). `ompl` is
+    an exception: it is a package of ROS noetic."""
     known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libconsole-bridge-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
-                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl pybind11-dev python3-aiohttp python3-matplotlib python3-numpy "
+                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl pybind11-dev python3-aiohttp python3-h5py python3-matplotlib python3-numpy python3-pandas "
                 "python3-psutil python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
     ros = set("actionlib actionlib_msgs catkin diagnostic_msgs genmsg genpy geometry_msgs message_generation "
               "message_runtime nav_msgs rosbag rosbag_storage rosbash roscpp rosgraph_msgs roslaunch rosmsg rospy rostest rostopic sensor_msgs "
               "std_msgs std_srvs tf2_msgs topic_tools trajectory_msgs visualization_msgs".split())
     keys = re.findall(r"<(?:\w+_)?depend>([^<]+)<", text("package.xml"))
     assert sorted(set(keys) - known - ros) == []
-    assert len(keys) == len(set(keys)), "none twice"
+    assert len(keys) == len(set(keys)), "no key is there twice"
 
 
 def test_nothing_that_runs_needs_a_development_package():
@@ -60,7 +60,7 @@ def test_nothing_that_runs_needs_a_development_package():
 
 
 def test_a_session_needs_nothing_that_is_for_tests_alone(tmp_path):
-    """A dpkg-query that knows all of the other kinds, and an apt-get that would be noticed."""
+    """The fake dpkg-query knows the packages of all other kinds. The fake apt-get prints a word that shows its call."""
     there = "\n".join(f"ii  {name}" for name in packages("build") + packages("run"))
     for name, said in (("dpkg-query", there), ("apt-get", "called")):
         (tmp_path / name).write_text(f"#!/bin/sh\necho '{said}'\n")
@@ -74,7 +74,7 @@ def test_a_session_needs_nothing_that_is_for_tests_alone(tmp_path):
 
 
 def test_what_is_missing_is_told_without_installing(tmp_path):
-    """A dpkg-query that knows one package."""
+    """The fake dpkg-query knows one package."""
     query = tmp_path / "dpkg-query"
     query.write_text("#!/bin/sh\necho 'ii  ffmpeg'\n")
     query.chmod(0o755)
@@ -91,7 +91,7 @@ def test_versions_are_one():
 
 
 def test_the_copyright_is_the_licence():
-    """Word by word, in Debian's form."""
+    """Compares them word by word: the copyright has Debian's line format."""
     body = text("packaging/copyright").split("License: BSD-3-Clause\n")[2]
     words = [word for line in body.splitlines() if line != " ." for word in line.split()]
     licence = text("LICENSE")
@@ -114,14 +114,14 @@ include(packaging/debian.cmake)
 
 @pytest.fixture
 def installed_documentation(tmp_path):
-    """What packaging/debian.cmake installs beside the programs."""
+    """The documentation that packaging/debian.cmake installs in addition to the programs."""
     source = tmp_path / "source"
     for name in ("doc", "packaging", "scripts"):
         shutil.copytree(ROOT / name, source / name)
     for name in (*(path.name for path in ROOT.glob("*.md")), "urdf/README.md"):
         (source / name).parent.mkdir(exist_ok=True)
         shutil.copy(ROOT / name, source / name)
-    (source / "doc/examples/__pycache__").mkdir(exist_ok=True)  # of a source tree that was used
+    (source / "doc/examples/__pycache__").mkdir(exist_ok=True)  # as in a source tree that has been used
     (source / "CMakeLists.txt").write_text(LISTS)
     for command in (["cmake", "-S", source, "-B", tmp_path / "build", "-DCMAKE_INSTALL_PREFIX=/usr"],
                     ["cmake", "--install", tmp_path / "build"]):
@@ -146,7 +146,7 @@ def installed_scripts():
 
 
 def test_installed_scripts_find_what_they_import(tmp_path):
-    """All of them in a folder of their own, as the package has them."""
+    """All installed scripts are in one folder, as in the package."""
     names = installed_scripts()
     assert {"doctor", "raven2_doctor", "session_report"} <= set(names)
     for name in names:
@@ -172,7 +172,7 @@ def test_the_container_runs_what_the_readme_tells():
 
 
 def test_building_the_container_is_a_session():
-    """The last of its steps is README's first command, as it stands there but for options that it has."""
+    """The container's last build step is README's first command, with valid additional options."""
     steps = [line for line in text("Containerfile").splitlines() if line.startswith("RUN ")]
     match = re.fullmatch(r"RUN scripts/run( --duration \d+) --output (\S+) && rm -r \2", steps[-1])
     assert match, steps[-1]
@@ -187,7 +187,7 @@ def test_the_container_takes_what_it_needs_of_the_source():
 
 @pytest.fixture
 def fresh(tmp_path):
-    """Starts check_fresh_debian with an mmdebstrap that makes a folder, and ends with the status that it is told."""
+    """Starts check_fresh_debian with a fake mmdebstrap, which makes a folder and ends with the given status."""
     if subprocess.run(["git", "-C", ROOT, "rev-parse"], capture_output=True, timeout=60, check=False).returncode:
         pytest.skip("no clone: check_fresh_debian has no commit to look at")
     made = 'for word; do case $word in */system) mkdir -p "$word/etc" ;; esac; done\necho "E: no mirror" >&2\nexit %d\n'
@@ -203,7 +203,7 @@ def fresh(tmp_path):
 
 
 def test_a_system_that_could_not_be_made_is_no_fresh_system(fresh):
-    """What follows it in the same step works; the step has failed all the same."""
+    """The step fails when mmdebstrap fails, although the later commands of the step succeed."""
     well, failed = fresh(0), fresh(25)
     assert well.returncode == 0 and "until system, as asked for" in well.stderr, well.stderr
     assert failed.returncode == 1 and "system failed" in failed.stderr and "E: no mirror" in failed.stderr, failed.stderr
@@ -215,14 +215,14 @@ def test_the_stages_of_a_full_test_are_told_everywhere():
     assert "package" in stages
     refused = subprocess.run([SCRIPTS / "test", "--full", "--only", "nonsense"], capture_output=True, text=True, timeout=60,
                              check=False)
-    assert refused.returncode == 1 and f"one of {', '.join(stages)}, debian13\n" in refused.stderr
-    assert f"of --full: {', '.join(stages[:-1])} or {stages[-1]}; or debian13," in source, "which takes its own time"
-    assert [name for name in (*stages, "debian13") if not re.search(rf"^ +{name}\) ", source, re.M)] == []
+    assert refused.returncode == 1 and f"one of {', '.join(stages)}, debian13, learn\n" in refused.stderr
+    assert f"of --full: {', '.join(stages[:-1])} or {stages[-1]}. Or one that --full leaves out: debian13," in source
+    assert [name for name in (*stages, "debian13", "learn") if not re.search(rf"^ +{name}\) ", source, re.M)] == []
     assert all(name in re.search(r"`--only asan` \((.*)\)", text("CONTRIBUTING.md")).group(1) for name in stages if name != "asan")
 
 
 def test_checks_refuse_what_they_cannot_do(tmp_path):
-    """Before anything is built or loaded."""
+    """The checks reject wrong arguments before they build or download anything."""
     for words, says in ((["check_package", "--nonsense"], "unknown option"),
                         (["check_package", "--deb", tmp_path / "none.deb"], "cannot be read"),
                         (["check_fresh_debian"], "see --help"),

@@ -1,0 +1,52 @@
+"""A data set as one HDF5 file, in robomimic's layout: data/demo_N with obs, actions, rewards, dones; mask/SPLIT."""
+
+import json
+
+import h5py
+import numpy as np
+from raven2_exports import episode
+
+STRING = h5py.string_dtype("utf-8")
+
+
+def _write_demo(group, part, fps, pictures):
+    columns = part.columns()
+    group.attrs["num_samples"] = part.length
+    group.attrs["task"] = part.facts["task"]
+    for name in ("session", "exercise", "split"):
+        group.attrs[name] = part.facts[name]
+    group.attrs["seed"] = part.facts["seed"]
+    group.attrs["hazards"] = json.dumps(part.facts["hazards"])
+    group.attrs["object_names"] = json.dumps(part.facts["objects"])
+    for name, values in columns.items():
+        place = {"action": "actions"}.get(name, name.replace("observation.", "obs/").replace("truth.", "truth/"))
+        is_text = values.dtype.kind == "U"
+        stored = group.create_dataset(place, data=values.astype(object) if is_text else values, dtype=STRING if is_text else None,
+                                      compression="gzip", compression_opts=4)
+        names, unit, meaning = episode.COLUMNS[name]
+        stored.attrs["unit"], stored.attrs["meaning"] = unit, meaning
+        if names:
+            stored.attrs["names"] = json.dumps(names)
+    done = np.zeros(part.length, np.int64)
+    done[-1] = 1
+    succeeded = part.facts["split"] != "failure"
+    group.create_dataset("dones", data=done)
+    group.create_dataset("rewards", data=done.astype(np.float32) * succeeded)
+    group.create_dataset("timestamps", data=np.arange(part.length) / fps)
+    for camera in pictures.cameras:
+        group.create_dataset(f"obs/{camera}_image", data=part.frames(camera, pictures.size), chunks=(1, *pictures.size[::-1], 3),
+                             compression="gzip", compression_opts=4)
+
+
+def write(parts, path, fps, pictures):
+    with h5py.File(path, "w") as file:
+        data = file.create_group("data")
+        data.attrs["total"] = sum(part.length for part in parts)
+        data.attrs["fps"] = fps
+        data.attrs["env_args"] = json.dumps({"env_name": "raven2_trainer", "env_version": "1", "type": 2, "env_kwargs": {}})
+        for number, part in enumerate(parts):
+            _write_demo(data.create_group(f"demo_{number}"), part, fps, pictures)
+        for split in episode.SPLITS:
+            names = [f"demo_{number}" for number, part in enumerate(parts) if part.facts["split"] == split]
+            if names:
+                file.create_dataset(f"mask/{split}", data=np.array(names, "S"))

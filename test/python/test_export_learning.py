@@ -1,0 +1,178 @@
+"""export_session --format hdf5 and lerobot, and make_dataset: read with h5py and pandas and compared with the logs."""
+import json
+import os
+import pathlib
+import subprocess
+import sys
+
+import h5py
+import numpy as np
+import pandas
+import pytest
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
+import raven2_session  # noqa: E402
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
+pytestmark = pytest.mark.skipif(not (PROGRAMS / "export_session").exists(), reason="export_session is not built")
+FPS = 30
+# Axes of B in W, as columns (core/frames.h), and rcm_W of config/arms.yaml: gold, green.
+R_WB = (np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]]), np.array([[0, 1, 0], [0, 0, 1], [1, 0, 0]]))
+P_WB = (np.array([-0.03, 0.0643, 0.14]), np.array([-0.03, -0.0643, 0.14]))
+
+
+def simulate(output, seconds, hazard, *options):
+    subprocess.run([PROGRAMS / "simulate", "--hazard", hazard, "--seconds", str(seconds), "--homing", "quick", "--output", output, *options],
+                   check=True, capture_output=True)
+    return output
+
+
+def export(*words, program=PROGRAMS / "export_session"):
+    return subprocess.run(list(map(str, (program, *words))), capture_output=True, text=True, check=False,
+                          env={key: value for key, value in os.environ.items() if key != "VIRTUAL_ENV"})
+
+
+@pytest.fixture(scope="module", name="sessions")
+def three_sessions(tmp_path_factory):
+    """Without a hazard; one that ends in a hazard's aftermath; one that goes on after it."""
+    folder = tmp_path_factory.mktemp("sessions")
+    return {"nominal": simulate(folder / "c", 3, "none"), "failure": simulate(folder / "a", 8.6, "sudden_jump"),
+            "recovery": simulate(folder / "b", 9.5, "sudden_jump")}
+
+
+@pytest.fixture(scope="module", name="data")
+def exported(sessions, tmp_path_factory):
+    path = tmp_path_factory.mktemp("data") / "set.hdf5"
+    done = export(sessions["recovery"], sessions["nominal"], sessions["failure"], "--format", "hdf5", "--cameras", "endoscope",
+                  "--size", "64x64", "--output", path)
+    assert done.returncode == 0, done.stderr
+    assert "3 episodes (1 nominal, 1 failure, 1 recovery)" in done.stderr and not path.with_name("set.hdf5.parts").exists()
+    with h5py.File(path) as file:
+        yield file["data"], {split: [name.decode() for name in names] for split, names in file["mask"].items()}
+
+
+def ticks_of(session):
+    model = raven2_session.Session(session).log.ticks["model"]
+    return model[model["session_tick"] >= 0]
+
+
+def test_each_split_has_its_session(data):
+    demos, masks = data
+    assert masks == {"nominal": ["demo_0"], "failure": ["demo_1"], "recovery": ["demo_2"]}
+    assert [demos[f"demo_{i}"].attrs["session"] for i in range(3)] == ["c", "a", "b"]
+    lengths = [demos[f"demo_{i}"].attrs["num_samples"] for i in range(3)]
+    assert lengths == [90, 258, 285] and demos.attrs["total"] == sum(lengths)
+    frames = pandas.DataFrame(demos["demo_1/actions"][:], columns=json.loads(demos["demo_1/actions"].attrs["names"]))
+    assert len(frames) == 258 and "green_turn_z" in frames and np.isfinite(frames.to_numpy()).all()
+
+
+def test_the_states_are_those_of_the_frames_ticks(data, sessions):
+    demo, ticks = data[0]["demo_0"], ticks_of(sessions["nominal"])
+    for frame in (0, 1, 40, 89):
+        newest = ticks[ticks["session_tick"] <= frame * 1000 / FPS + 1e-6][-1]
+        state = demo["obs/model_state"][frame]
+        np.testing.assert_allclose(state[:14], newest["arms"]["q"].ravel(), atol=1e-6)
+        for arm in (0, 1):
+            np.testing.assert_allclose(state[14 + 3 * arm:17 + 3 * arm], newest["arms"]["p_BT"][arm] @ R_WB[arm].T + P_WB[arm], atol=1e-6)
+
+
+def test_the_labels_are_the_truth_of_the_log(data, sessions):
+    for number, split in ((1, "failure"), (2, "recovery")):
+        demo, fault = data[0][f"demo_{number}"], raven2_session.Session(sessions[split]).metrics["faults"][0]
+        at = np.floor(np.arange(demo.attrs["num_samples"]) * 1000 / FPS + 1e-6)
+        acts = (at >= fault["first_tick"]) & (at <= fault["last_tick"])
+        end = fault["end_tick"] if fault["end_tick"] is not None else at[-1]
+        phase, hazard = demo["truth/phase"].asstr()[:], demo["truth/hazard"].asstr()[:]
+        assert acts.sum() > 5 and set(phase[acts]) == {"failure"} and set(hazard[acts]) == {"sudden_jump"}
+        assert set(phase[(at > fault["last_tick"]) & (at <= end)]) == {"recovery"}
+        assert set(phase[at < fault["first_tick"]]) == {"nominal"} and set(hazard[~acts]) == {"none"}
+        assert demo["truth/error"][:].max() == pytest.approx(fault["max_error_mm"] / 1000, rel=0.05)
+        assert demo["truth/error"][:][at < fault["first_tick"]].max() < 0.001
+        assert 0.8 * fault["max_force_N"] < demo["truth/cue"][:].max() <= fault["max_force_N"] + 1e-6
+    assert set(data[0]["demo_0/truth/phase"].asstr()[:]) == {"nominal"} and data[0]["demo_0/truth/cue"][:].max() == 0
+
+
+def test_the_actions_move_a_simulation_along_the_same_path(data):
+    sys.path.insert(0, str(PROGRAMS.parents[1] / "python3/dist-packages"))
+    import raven2_trainer
+
+    demo = data[0]["demo_0"]
+    starts = np.floor(np.arange(91) * 1000 / FPS + 1e-6).astype(int)
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=1)
+        begin = simulation.state.tips.copy()
+        for frame in range(89):
+            action = demo["actions"][frame].reshape(2, 7).astype(float)
+            simulation.step(action, ticks=int(starts[frame + 1] - starts[frame]))
+        end = np.concatenate([R_WB[arm] @ (simulation.state.tips - begin)[arm] for arm in (0, 1)])
+    wanted = demo["obs/model_state"][89, 14:] - demo["obs/model_state"][0, 14:]
+    assert np.abs(wanted).max() > 0.01
+    np.testing.assert_allclose(end, wanted, atol=1e-4)
+
+
+def test_the_pictures_are_those_of_the_frames(data):
+    pictures = data[0]["demo_0/obs/endoscope_image"]
+    assert pictures.shape == (90, 64, 64, 3) and pictures.dtype == np.uint8
+    assert pictures[0].std() > 10 and np.abs(pictures[89].astype(int) - pictures[0]).max() > 30
+
+
+def test_what_cannot_be_exported_is_said_and_the_rest_is_kept(sessions, tmp_path):
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    for name in os.listdir(sessions["nominal"]):
+        if name != "configuration":
+            (empty / name).symlink_to(sessions["nominal"] / name)
+    output = tmp_path / "set.hdf5"
+    done = export(sessions["nominal"], empty, "--format", "hdf5", "--output", output)
+    assert done.returncode == 1 and f"{empty}: no readable copy of raven2.urdf" in done.stderr and not output.exists()
+    kept = list((tmp_path / "set.hdf5.parts").glob("*/part.json"))
+    assert len(kept) == 1
+    written = kept[0].stat().st_mtime_ns
+    kept[0].write_text(kept[0].read_text().replace('"seed": 1', '"seed": 7'))  # a kept part is used again, not made again
+    done = export(sessions["nominal"], "--format", "hdf5", "--output", output)
+    assert done.returncode == 0, done.stderr
+    with h5py.File(output) as file:
+        assert file["data/demo_0"].attrs["seed"] == 7 and written > 0
+    done = export(sessions["nominal"], "--format", "hdf5", "--output", output)
+    assert done.returncode == 1 and "exists; delete it or choose another --output" in done.stderr
+
+
+@pytest.mark.parametrize("words, reason", [
+    (("--format", "hdf5", "--cameras", "nowhere"), "nowhere"), (("--format", "hdf5", "--size", "63x64"), "63x64"),
+    (("--format", "hdf5", "--fps", "0"), "fps"), (("--format", "hdf5", "--lerobot", "9"), "lerobot")])
+def test_bad_options_are_refused(words, reason, sessions, tmp_path):
+    done = export(sessions["nominal"], *words, "--output", tmp_path / "set")
+    assert done.returncode != 0 and reason in done.stderr and not (tmp_path / "set").exists()
+
+
+def test_two_sessions_are_no_csv(sessions):
+    done = export(sessions["nominal"], sessions["failure"])
+    assert done.returncode == 1 and "2 sessions for the format csv, which takes one" in done.stderr
+
+
+def test_without_pyarrow_the_export_says_how_to_get_it(sessions, tmp_path):
+    try:
+        import pyarrow  # noqa: F401
+    except ImportError:
+        done = export(sessions["nominal"], "--format", "lerobot", "--output", tmp_path / "set")
+        assert done.returncode == 1 and "needs the Python module pyarrow" in done.stderr and "ENV/bin/pip install pyarrow" in done.stderr
+    else:
+        pytest.skip("pyarrow is installed")
+
+
+def test_shares_of_a_data_set_come_together(tmp_path):
+    words = ("--exercise", "pick_hand_over_place", "--seeds", "1..2", "--output", tmp_path / "set.hdf5")
+    script = ROOT / "scripts/make_dataset"
+    done = export(*words, "--part", "2/2", program=script)
+    assert done.returncode == 0 and [p.name for p in (tmp_path / "set.hdf5.sessions").iterdir()] == ["pick_hand_over_place-none-expert-2"]
+    first = (tmp_path / "set.hdf5.sessions/pick_hand_over_place-none-expert-2/session.rlog").stat().st_mtime_ns
+    done = export(*words, "--keep-sessions", program=script)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "set.hdf5.sessions/pick_hand_over_place-none-expert-2/session.rlog").stat().st_mtime_ns == first
+    with h5py.File(tmp_path / "set.hdf5") as file:
+        assert [file[f"data/demo_{i}"].attrs["seed"] for i in (0, 1)] == [1, 2]
+        assert file["data/demo_0"].attrs["task"].startswith("The ring from its stand") and file["data/demo_0/rewards"][-1] == 1
+    done = export("--exercise", "nothing", "--seeds", "1", "--output", tmp_path / "other", program=script)
+    assert done.returncode == 1 and "nothing" in done.stderr
