@@ -72,7 +72,7 @@ class State:
         """(2, 7) [counts] the robot's last motor commands."""
     @property
     def force(self) -> NDArray[np.float64]:
-        """(2, 3) [N] on the surgeon's hands, in B."""
+        """(2, 3) [N] on each hand, in B."""
     @property
     def error(self) -> NDArray[np.float64]:
         """(2,) [m] distance of the model's tip from the robot's."""

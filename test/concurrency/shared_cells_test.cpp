@@ -83,7 +83,7 @@ TEST(StateCell, ReadersNeverSeeATornOrOlderValueAndRetryBounded) {
   EXPECT_GT(cell.version(), 1000U) << "the writer hardly ran: the test shows nothing";
   // This rate is a thousand times the daemon's, where a reader gives up after four tries and keeps its last value.
   EXPECT_LT(static_cast<double>(retries.load()) / reads, 1.0);
-  std::printf("%.0f reads beside %llu writes: 0 torn, %.4f retries a read, at most %llu tries\n", reads,
+  std::printf("%.0f reads during %llu writes: 0 torn, %.4f retries a read, at most %llu tries\n", reads,
               static_cast<unsigned long long>(cell.version()), static_cast<double>(retries.load()) / reads,
               static_cast<unsigned long long>(most_tries.load()));
 }

@@ -107,7 +107,7 @@ void expectTheTruth(const Session& session, const training::HazardScore& hazard)
   ASSERT_GT(felt, 0);
   ASSERT_GT(up, 0);
   const training::HazardResponse& response = hazard.response;
-  std::printf("  injection %lld, felt %+lld, pedal up %+lld; told: cue %+lld, %s %+lld, first %s %+lld\n",
+  std::printf("  injection %lld, felt %+lld, pedal up %+lld; truth: cue %+lld, %s %+lld, first %s %+lld\n",
               static_cast<long long>(hazard.injection), static_cast<long long>(felt - hazard.injection),
               static_cast<long long>(up - hazard.injection), static_cast<long long>(response.cue_after),
               training::kResponseNames[static_cast<std::size_t>(response.reaction.response)],

@@ -206,7 +206,7 @@ class TrainingModes(unittest.TestCase):
         self.camera.on = False
         stood_in = self.view.await_size(VIRTUAL)
         silent = stood_in - self.camera.sent_at
-        print(f"the virtual scene stands in {silent:.3f} s after the last picture")
+        print(f"the virtual scene replaces it {silent:.3f} s after the last picture")
         self.assertGreater(silent, SILENCE - 0.01)
         self.assertLess(silent, SILENCE + 1.0)
         self.assertEqual(self.view.sizes_within(0.5), {VIRTUAL})

@@ -8,13 +8,18 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CHECK = ROOT / "scripts/check_prose"
-# Pages and folders that have been rewritten so far.
-PAGES = ("architecture detector haptics model testing campaign crtk gallery interfaces masters pictures planning reliability execution exercises glossary hardware hazards impairment index modes python raven2 report ros scores session sources station streams usb_faults "
-         "virtual_raven wire tutorials/educator tutorials/engineer tutorials/researcher tutorials/surgeon_assistant").split()
-FOLDERS = ("include", "src", "scripts", "launch", "config")
-PLAIN = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "urdf/README.md", *(f"doc/{name}.md" for name in PAGES), *sorted(
-    str(p.relative_to(ROOT)) for folder in FOLDERS for p in (ROOT / folder).rglob("*")
-    if p.is_file() and not {"__pycache__", "page"} & set(p.parts) and p.suffix not in {".json", ".rviz", ".pyc", ".csv"})]
+FOLDERS = ("include", "src", "scripts", "python", "launch", "config")
+PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "urdf/README.md", *sorted(str(p.relative_to(ROOT)) for p in (ROOT / "doc").rglob("*.md"))]
+
+
+def files_of(*folders):
+    """Text files that people write, below these folders of the tree."""
+    unwritten = {".json", ".rviz", ".pyc", ".csv"}
+    return sorted(str(p.relative_to(ROOT)) for folder in folders for p in (ROOT / folder).rglob("*")
+                  if p.is_file() and not {"__pycache__", "page"} & set(p.parts) and p.suffix not in unwritten)
+
+
+TESTS = [name for name in files_of("test") if name.endswith((".cpp", ".h", ".c", ".py", ".launch", ".test", ".sh", "CMakeLists.txt"))]
 MOST_WORDS = 46000  # words of prose on all pages, as --table counts them
 
 
@@ -23,7 +28,12 @@ def check(*arguments):
 
 
 def test_pages_and_sources_are_plain():
-    result = check("--names", *(ROOT / name for name in PLAIN))
+    result = check("--names", *(ROOT / name for name in PAGES + files_of(*FOLDERS)))
+    assert (result.returncode, result.stdout) == (0, "")
+
+
+def test_the_comments_of_tests_are_plain():
+    result = check(*(ROOT / name for name in TESTS))
     assert (result.returncode, result.stdout) == (0, "")
 
 

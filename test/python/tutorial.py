@@ -91,7 +91,7 @@ def fenced(lines, start):
     """(commands for bash, index of the next line) of the fenced block at `start`."""
     language = lines[start][3:]
     if not lines[start].startswith("```") or language not in LANGUAGES:
-        raise ValueError(f"line {start + 1}: <!-- run --> stands above no block of {' or '.join(LANGUAGES)}")
+        raise ValueError(f"line {start + 1}: <!-- run --> is above no block of {' or '.join(LANGUAGES)}")
     end = lines.index("```", start)
     text = "\n".join(lines[start + 1:end]) + "\n"
     return (f"/usr/bin/python3 - <<'END_OF_BLOCK'\n{text}END_OF_BLOCK\n" if language == "python" else text), end + 1

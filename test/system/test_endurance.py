@@ -27,7 +27,7 @@ def test_a_session_with_everything_going_wrong_keeps_its_promises(tmp_path):
     assert os.path.getsize(tmp_path / "soak.png") > 1000
 
 
-@pytest.mark.skipif(effort(True, False), reason="four minutes beside bare threads and loads: in the long form only")
+@pytest.mark.skipif(effort(True, False), reason="four minutes next to bare threads and loads: in the long form only")
 @pytest.mark.skipif(shutil.which("stress-ng") is None, reason="stress-ng is not installed")
 def test_loads_and_pictures_and_plans_disturb_the_loops_no_more_than_bare_threads(tmp_path):
     """R1, R2, R9."""

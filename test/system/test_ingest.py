@@ -300,7 +300,7 @@ def test_a_key_that_others_may_read_is_refused_with_its_mode():
             assert path in said and "0640" in said and digits not in said
 
 
-@pytest.mark.skipif(not FULL, reason="needs a ROS master of its own: in the long form only")
+@pytest.mark.skipif(not FULL, reason="needs a separate ROS master: in the long form only")
 def test_a_second_master_is_on_diagnostics_within_a_tenth_of_a_second():
     import rospy
     from diagnostic_msgs.msg import DiagnosticArray

@@ -232,7 +232,7 @@ def small_disk():
     folder = tempfile.mkdtemp(prefix="raven2_disk_")
     disk = SmallDisk(os.path.join(folder, "disk"), "4m") if os.geteuid() == 0 else None
     if disk is None or not disk.works:
-        pytest.skip("needs root, and mounts in a namespace of its own")
+        pytest.skip("needs root, and mounts in a separate namespace")
     yield disk
     disk.close()
     shutil.rmtree(folder, ignore_errors=True)

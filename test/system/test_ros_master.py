@@ -166,7 +166,7 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
             time.sleep(0.6)  # the programs notice the loss
             returns.append(seconds_until_complete(master))
         latched.append(seconds_of_latecomer(master, session.stack.meta()))
-        print("  what is latched, for who comes late:", " ".join(f"{t:.2f} s" for t in latched))
+        print("  what is latched, for late subscribers:", " ".join(f"{t:.2f} s" for t in latched))
         assert max(latched) < WITHIN, latched
         print(f"  topics after the master came: {came:.2f} s; after it came back:", " ".join(f"{t:.2f}" for t in returns))
         assert came < WITHIN and max(returns) < WITHIN, (came, returns)

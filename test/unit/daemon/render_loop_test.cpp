@@ -410,7 +410,7 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
 /** The renderer runs on a thread of the daemon: an exception that leaves it would end the process. */
 TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
   const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
-                                                    [] { throw std::runtime_error("of who takes the pictures"); },
+                                                    [] { throw std::runtime_error("of the subscriber to the pictures"); },
                                                     [] { throw RenderException("ours"); }};
   for (const auto& fail : failures) {
     shared_->live_picture.store({});
