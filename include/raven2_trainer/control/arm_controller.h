@@ -11,8 +11,8 @@ struct JointTarget {
   JointArray dq{};  ///< [rad/s; m/s]
 };
 
-/** The control law of one arm of the nominal model: gravity compensation and PD, with PID for the insertion
- * (paper, 3.1). The planner predicts motion with the same law. Real-time safe. */
+/** The control law of one arm of the nominal model: gravity compensation, PD, and PID for the insertion (paper, 3.1),
+ *  with that arm's gains. The live model and the planner's prediction use this same law. Real-time safe. */
 class ArmController {
  public:
   ArmController(const ControllerConfig& config, Arm arm) noexcept;
@@ -27,7 +27,7 @@ class ArmController {
    */
   JointArray leading(const JointTarget& target) const noexcept;
 
-  /** @return [Nm; N] from `q` towards `q_d`. @param[in] gravity [Nm; N] holds the arm at `q`. */
+  /** @return [Nm; N] torques that move the arm from `q` to `q_d`. @param[in] gravity [Nm; N] holds the arm at `q`. */
   JointArray torque(const JointArray& q_d,
                     const JointArray& q,
                     const JointArray& dq,

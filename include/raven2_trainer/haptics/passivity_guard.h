@@ -19,14 +19,14 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] largest PassivityConfi
  * round trip d of 0, 1, ... max_delay ticks, the observer sums E_d: the work of f_d, the force of d ticks ago, on the
  * motion that arrives now. For the link's true d, E_d is the work at the hand. The hand is at x, and was at x_a when
  * the force began. On the path from x to x_a the force takes work back; a constant force takes back all of it. That
- * part is no gained energy: M_d = E_d - max(0, f_d . (x - x_a)). The largest M_d counts.
+ * part is no gained energy: M_d = E_d - max(0, f_d . (x - x_a)). M is the largest M_d.
  *
  * Controller: the allowance is the budget plus the energy that a hand with the least damping has dissipated since the
- * account (of E_d and the allowance) started. When less than half a budget is left, the force is reduced, to zero when
- * nothing is left. The controller adds no force: over an unknown delay, a damper at this end would push as often as it
- * brakes.
+ * account (of E_d and the allowance) started. When allowance - M is below half the budget, the force is reduced; it
+ * is zero when M reaches the allowance. The controller adds no force: over an unknown delay, a damper at this end would
+ * push as often as it brakes.
  *
- * Reservoir: the allowance less E_d never exceeds `bank`, as in an energy tank with a ceiling (Lee and Huang, IEEE
+ * Reservoir: allowance - E_d never exceeds `bank`, as in an energy tank with a ceiling (Lee and Huang, IEEE
  * Trans. Robotics 26(2), 2010). Energy beyond it, which the port received or the hand dissipated, is discarded, so that
  * long dissipation does not pay for later swinging. Only f_d . (x_a - x), if positive, is kept in addition: the force
  * gives this energy back on the hand's path to x_a. It is stored, not dissipated.
@@ -53,11 +53,12 @@ class PassivityGuard {
   /** Clears the account, as a rest does. */
   void startAgain() noexcept;
 
-  /** Factor for the law's force: 1 while half the budget is left or the controller is off, 0 if nothing is left. */
+  /** Factor for the law's force: 1 while allowance - M is at least half the budget or the controller is off, 0 at zero.
+   */
   double gain() const noexcept;
-  /** Factor for a force that is reduced first: 1 while three quarters of the budget are left, 0 once gain() falls. */
+  /** Factor for a force that is reduced first: 1 down to three quarters of the budget, 0 at half of it. */
   double yieldingGain() const noexcept;
-  double energy() const noexcept { return energy_; }        ///< [J] largest M_d
+  double energy() const noexcept { return energy_; }        ///< [J] M
   double allowance() const noexcept { return allowance_; }  ///< [J] limit of energy()
 
  private:

@@ -72,9 +72,9 @@ struct SharedState {
   StateCell<std::uint8_t> picture_watched;
   // written by ros: 1 while a client uses the stereo pair
   StateCell<std::uint8_t> stereo_watched;
-  // written by planner: the tip's path of the newest successful plan
+  // written by planner: tip path of the newest successful plan
   StateCell<GuidePath> guide_path;
-  // written by ingest: counts of ITP packets; newest mostly rejected stream
+  // written by ingest: counts of ITP packets; newest stream with mostly rejected packets
   StateCell<LinkCounts> master_link;
   StateCell<StreamFinding> master_stream;
   // written by ingest: counts of pedal packets
@@ -111,8 +111,8 @@ struct SharedState {
   ServoQueue servo_commands;
   // physics -> ros (crtk): rejected commands
   SpscRing<ServoRefused, 256> servo_refused;
-  // physics -> ros: one answer to each request except the daemon's own; not in ringCounts(), because nobody reads them
-  // without a ROS master
+  // physics -> ros: one answer to each request except the daemon's own; not in ringCounts(): without a ROS master
+  // nobody reads them
   SpscRing<RequestAnswer, 64> answers;
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
   SpscRing<ExecutionReport, 8> execution_answers;
@@ -133,7 +133,7 @@ struct SharedState {
   SpscRing<ForcePacket, 256> force_packets;
   // player -> physics; not in ringCounts(): an aborted replay discards its frames
   SpscRing<ReplayFrame, kReplayFrames> replay_frames;
-  // the queues to the recorder (RecordRings names their producers)
+  // queues to the recorder (RecordRings names their producers)
   RecordRings& records;
   RecordRing<TickRecord, 2048>& tick_records;
   RecordRing<HapticRecord, 2048>& haptic_records;

@@ -11,23 +11,23 @@
 
 namespace raven2_trainer::net {
 
-/** A UDP socket that both sends and receives, for a proxy. Non-blocking; after construction it neither throws nor
+/** A UDP socket that sends and receives, for a proxy. Non-blocking; after construction it neither throws nor
  *  allocates. */
 class UdpSocket {
  public:
-  /** Binds to a local address. Parameters and errors as in UdpReceiver. */
+  /** Binds to a local address. Parameters and errors: see UdpReceiver. */
   static UdpSocket bound(const std::string& address, std::uint16_t port, double patience = kBindPatience);
 
-  /** Connects to one peer: receives only from it. @throw NetworkException. */
+  /** Connects to one peer; receives only from this peer. @throw NetworkException. */
   static UdpSocket connected(const Endpoint& peer);
 
-  /** Next datagram, cut to `capacity` bytes; empty if none waits. */
+  /** Next datagram, cut to `capacity` bytes, or nullopt if none waits. */
   std::optional<Datagram> receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
-  /** Sends to the peer of a connected socket. @return false if the system rejects it. */
+  /** Sends to the peer of a connected socket. @return false if the system rejects the datagram. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
-  /** Sends from a bound socket; otherwise as send(). */
+  /** Sends from a bound socket; else as send(). */
   bool sendTo(const Endpoint& peer, const std::uint8_t* bytes, std::size_t size) noexcept;
 
   std::uint16_t port() const noexcept { return port_; }

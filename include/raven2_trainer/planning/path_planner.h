@@ -20,7 +20,7 @@ namespace raven2_trainer::planning {
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
-/** True for FMTstar and FMT, which take n samples. The others sample until they have a path or the time is over. */
+/** True for FMTstar and FMT, which take PlanOptions::samples. The others sample until they find a path or time out. */
 bool takesSamples(const std::string& planner);
 
 /** True for FMTstar. OMPL's planners report neither the number of free samples nor the sampling time. */
@@ -28,9 +28,9 @@ bool reportsSamples(const std::string& planner);
 
 /** Settings of one plan, in place of those in config/planner.yaml. */
 struct PlanOptions {
-  std::string planner;               ///< one of kPlannerNames
-  std::uint32_t samples{};           ///< n of the paper: collision-free samples at the start
-  std::uint32_t max_samples{};       ///< most, including additions after failures; equal to `samples`: no additions
+  std::string planner;          ///< one of kPlannerNames
+  std::uint32_t samples{};      ///< n of the paper: collision-free samples at the start
+  std::uint32_t max_samples{};  ///< most, also after failures; equal to `samples`: no additions (success at exactly n)
   std::uint32_t improve_attempts{};  ///< [-] attempts to improve the path locally; 0: plain FMT*
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
@@ -44,9 +44,9 @@ PlanOptions defaultOptions(const PlannerConfig& config);
 
 /** Progress of the running plan. Any thread may read it. Zero before the first plan. */
 struct PlanProgress {
-  std::atomic<std::uint32_t> samples{0};   ///< collision-free ones, also added ones; 0 without reportsSamples()
+  std::atomic<std::uint32_t> samples{0};   ///< collision-free samples so far; 0 unless reportsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
-  std::atomic<std::uint32_t> rollouts{0};  ///< paths that the simulated arm followed
+  std::atomic<std::uint32_t> rollouts{0};  ///< roll-outs: paths that a simulated arm followed
   std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: no path yet
 };
 
@@ -58,8 +58,8 @@ struct PlanStatistics {
   std::uint64_t edge_checks{};          ///< edges checked for collision
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
   std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, also incomplete ones
-  std::uint32_t rollouts{};             ///< paths that the simulated arm followed
-  std::uint32_t failed_rollouts{};      ///< of these, paths on which the arm touched something or left the path
+  std::uint32_t rollouts{};             ///< as PlanProgress::rollouts
+  std::uint32_t failed_rollouts{};      ///< of these, roll-outs in which the arm touched something or left the path
   std::uint32_t rounds{};               ///< how often samples were added after a failure
   double plain_cost{};                  ///< eq. (1) before the local improvement
   double improved_cost{};               ///< eq. (1) of the path returned
@@ -97,9 +97,10 @@ class PathPlanner {
               const ModelConfig& model);
   ~PathPlanner();
 
-  /** Computes the data of the scene, in some tenths of a second, unless they exist.
-   *  @param[in] cancel Another thread sets it to cancel; the next prepare() or plan() starts again.
-   *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. plan() returns kFailed or kCancelled. */
+  /** Computes the data of the scene, in some tenths of a second, unless this was done before.
+   *  @param[in] cancel Set it in another thread to cancel. The next prepare() or plan() starts again.
+   *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. plan() then returns kFailed or kCancelled.
+   */
   void prepare(const std::atomic<bool>& cancel);
   /** As prepare(cancel), but cannot be cancelled. */
   void prepare();
@@ -108,8 +109,8 @@ class PathPlanner {
    * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the sample limit
    * and, unless `lockstep`, at the time limit. The same request, options and seed give the same path; with OMPL's
    * planners, only in lockstep and if they plan one at a time in the process. A path of more than kMaxWaypoints gives
-   * kNoPath. planning_time is the measured time; in lockstep it stays 0.
-   * @param[in] cancel Another thread sets it to cancel within 100 ms.
+   * kNoPath. PlanResult::planning_time is measured; in lockstep it stays 0.
+   * @param[in] cancel Set it in another thread: plan() then returns within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
 

@@ -119,7 +119,7 @@ struct LogVisitor {
   std::function<void(const GapRecord&)> gap;
   std::function<void(const SessionCounts&)> counts;
   std::function<void(const RecoveryRecord&)> recovery;
-  std::function<void(std::uint64_t bytes)> position;  ///< bytes read so far, after each record
+  std::function<void(std::uint64_t bytes)> position;  ///< after each record: bytes read so far
 };
 
 struct LogSummary {

@@ -74,11 +74,11 @@ class ExerciseJudge {
 
   /** Inputs of hazard triggers after the last tick. The step is 0 until the timer runs; `tool_changes` stays 0. Both
    *  distances are infinite before the first attempt and during a replay, and the target's distance after an attempt.
-   * Targets are those of the current steps: peg, point, region, place on a wire, or else the track's object. */
+   *  Targets are those of the current steps: peg, point, region, place on a wire, or else the track's object. */
   FaultSignals signals() const noexcept;
 
   static constexpr std::size_t kMaxEvents = 16;
-  /** Events of the last tick. The last of kMaxEvents is reserved for the attempt's end. */
+  /** Events of the last tick. The last of kMaxEvents places is reserved for the attempt's end. */
   std::size_t eventCount() const noexcept;
   const ExerciseEvent& event(std::size_t i) const noexcept;
   /** Events beyond kMaxEvents per tick, of all ticks. */

@@ -7,7 +7,7 @@
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/counters.h"
 
-// Encodes and decodes Interoperable Telerobotics Protocol (ITP). Layouts and meaning: doc/raven2.md 1.1 to 1.3.
+// Encodes and decodes the Interoperable Telerobotics Protocol (ITP). Layouts and meaning: doc/raven2.md 1.1 to 1.3.
 
 namespace raven2_trainer::wire {
 
@@ -51,10 +51,10 @@ struct ItpLimits {
  */
 Reject checkItp(const ItpPacket& packet, const ItpLimits& limits) noexcept;
 
-/** Checks only for unusable quaternions. @return kNone, kNotFinite, or kBadQuaternion if normalising fails. */
+/** Checks only for unusable quaternions. @return kNone, kNotFinite, or kBadQuaternion for a norm near zero. */
 Reject checkUsable(const ItpPacket& packet) noexcept;
 
-/** Converts to SI units and normalises quaternions. Positive grasp closes, in both structs (raven2.md 1.4). */
+/** Converts to SI units and normalises quaternions. Positive grasp closes, in packet and command (raven2.md 1.4). */
 MasterCommand toCommand(const ItpPacket& packet) noexcept;
 
 /** Converts from SI units and sets the checksum. Rounds increments to micrometres and milliradians: in a stream, the
@@ -66,8 +66,8 @@ using ForceBytes = std::array<std::uint8_t, kForceSize>;
 /** Encodes v_struct: forces in millinewtons along the master's axes (raven2.md 1.2). */
 ForceBytes encodeForce(const ForcePacket& packet) noexcept;
 
-/** @return kNone; else, with `*packet` unchanged, kWrongSize, kBadFrame (checksum is not the sum of the words before
- *  it) or kOutOfRange (run level). */
+/** Decodes v_struct. @return kNone; else, with `*packet` unchanged, kWrongSize, kBadFrame (checksum is not the sum of
+ * the words before it) or kOutOfRange (run level). */
 Reject decodeForce(const std::uint8_t* bytes, std::size_t size, ForcePacket* packet) noexcept;
 
 }  // namespace raven2_trainer::wire
