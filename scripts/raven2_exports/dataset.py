@@ -8,15 +8,12 @@ import os
 import pathlib
 import shutil
 import subprocess
-import time
 
 import numpy as np
 from raven2_exports import episode
 from raven2_progress import Bar
 
 import raven2_session
-
-SHARES = "splits"
 
 
 class Pictures:
@@ -83,7 +80,7 @@ def make_part(directory, folder, fps, pictures):
     folder.mkdir(parents=True)
     try:
         made = episode.Episode(directory, fps)
-        columns = {name: np.array(values, "U32") if isinstance(values, list) else np.asarray(values, np.float32)
+        columns = {name: np.array(values) if isinstance(values, list) else np.asarray(values, np.float32)
                    for name, values in made.columns.items()}
         bad = [name for name, values in columns.items() if values.dtype.kind == "f" and not np.isfinite(values).all()]
         if bad:
@@ -132,8 +129,7 @@ def export(directories, output, write, fps, pictures, jobs):
     parts = make_parts(directories, work, fps, pictures, jobs)
     fresh = work / "dataset"
     shutil.rmtree(fresh, ignore_errors=True) if fresh.is_dir() else fresh.unlink(missing_ok=True)
-    began = time.monotonic()
     write(parts, fresh)
     os.replace(fresh, output)
     shutil.rmtree(work, ignore_errors=True)
-    return parts, time.monotonic() - began
+    return parts

@@ -74,7 +74,7 @@ class Episode:
         self.columns = {**self._observations(), "action": self._actions(), **self._truth()}
         self.split = self._split()
         self.summary = {"session": os.path.basename(os.path.abspath(directory)), "seed": log.header["seed"], "exercise": log.training["exercise"],
-                        "hazards": sorted({fault["name"] for fault in self._faults}), "split": self.split}
+                        "hazards": sorted({fault["name"] for fault in self._faults}), "split": self.split, "success": self._is_done()}
 
     def _frame_ticks(self):
         """Index of the newest tick of each frame."""
@@ -135,7 +135,7 @@ class Episode:
         at, end = np.searchsorted(commands["tick"], first, side="right"), np.searchsorted(commands["tick"], last, side="right")
         q = commands["command"]["dq_I"]
         for arm in (0, 1):
-            for i in np.flatnonzero(np.add.reduceat(np.append(q[:, arm, 3] != 1.0, False), np.minimum(at, len(q)))[:self.length] > 0):
+            for i in range(self.length):
                 turns[i, arm] = _rotation_vector(q[at[i]:end[i], arm]) * W_OF_I
         return turns
 
@@ -174,15 +174,21 @@ class Episode:
         """nominal: no hazard acted; recovery: the work went on after each, and the exercise, if any, was done; else failure."""
         if not self._faults:
             return "nominal"
-        attempts = (self._session.metrics.get("exercise") or {}).get("attempts", [])
         is_over = all(fault["end_tick"] is not None for fault in self._faults)
-        return "recovery" if is_over and (not attempts or attempts[-1]["status"] == "done") else "failure"
+        return "recovery" if is_over and (not self._attempts() or self._is_done()) else "failure"
+
+    def _attempts(self):
+        return (self._session.metrics.get("exercise") or {}).get("attempts", [])
+
+    def _is_done(self):
+        """Whether the last attempt of an exercise was done."""
+        return bool(self._attempts()) and self._attempts()[-1]["status"] == "done"
 
 
 def _rotation_vector(quaternions):
     """Of the product of these x y z w, the first applied first."""
     x, y, z, w = 0.0, 0.0, 0.0, 1.0
-    for a, b, c, d in quaternions:
+    for a, b, c, d in quaternions[quaternions[:, 3] != 1.0]:
         x, y, z, w = d * x + a * w + b * z - c * y, d * y + b * w + c * x - a * z, d * z + c * w + a * y - b * x, d * w - a * x - b * y - c * z
     axis = np.array([x, y, z]) * (1.0 if w >= 0 else -1.0)
     sine = np.linalg.norm(axis)

@@ -90,6 +90,7 @@ def test_the_labels_are_the_truth_of_the_log(data, sessions):
         assert demo["truth/error"][:].max() == pytest.approx(fault["max_error_mm"] / 1000, rel=0.05)
         assert demo["truth/error"][:][at < fault["first_tick"]].max() < 0.001
         assert 0.8 * fault["max_force_N"] < demo["truth/cue"][:].max() <= fault["max_force_N"] + 1e-6
+    assert all(data[0][f"demo_{i}/rewards"][:].sum() == 0 for i in range(3))  # without an exercise nothing is done
     assert set(data[0]["demo_0/truth/phase"].asstr()[:]) == {"nominal"} and data[0]["demo_0/truth/cue"][:].max() == 0
 
 
@@ -110,6 +111,24 @@ def test_the_actions_move_a_simulation_along_the_same_path(data):
     wanted = demo["obs/model_state"][89, 14:] - demo["obs/model_state"][0, 14:]
     assert np.abs(wanted).max() > 0.01
     np.testing.assert_allclose(end, wanted, atol=1e-4)
+
+
+def assert_the_tool_turns_as_recorded(demo, frames):
+    """Plays the actions of the expert, who rotates the gold tool on the way to the ring."""
+    sys.path.insert(0, str(PROGRAMS.parents[1] / "python3/dist-packages"))
+    import raven2_trainer
+
+    starts = np.floor(np.arange(frames + 1) * 1000 / FPS + 1e-6).astype(int)
+    joints = demo["obs/model_state"][:, :14]
+    with raven2_trainer.Simulation("pick_hand_over_place", robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=1)
+        for frame in range(frames):
+            simulation.step(demo["actions"][frame].reshape(2, 7).astype(float), ticks=int(starts[frame + 1] - starts[frame]))
+        reached = simulation.state.joints.reshape(14).copy()
+    moved = np.abs(joints[frames] - joints[0])
+    assert moved[3:7].max() > 0.2, "roll, wrist and jaws of the gold arm move"
+    np.testing.assert_allclose(reached, joints[frames], atol=0.05)
 
 
 def test_the_pictures_are_those_of_the_frames(data):
@@ -174,5 +193,6 @@ def test_shares_of_a_data_set_come_together(tmp_path):
     with h5py.File(tmp_path / "set.hdf5") as file:
         assert [file[f"data/demo_{i}"].attrs["seed"] for i in (0, 1)] == [1, 2]
         assert file["data/demo_0"].attrs["task"].startswith("The ring from its stand") and file["data/demo_0/rewards"][-1] == 1
+        assert_the_tool_turns_as_recorded(file["data/demo_0"], frames=120)
     done = export("--exercise", "nothing", "--seeds", "1", "--output", tmp_path / "other", program=script)
     assert done.returncode == 1 and "nothing" in done.stderr
