@@ -39,31 +39,49 @@ std::string lookedUp() {
   return uri && uri->getType() == Value::TypeString ? std::string(Value(*uri)) : std::string();
 }
 
+/** A node has some 300 topics and services: few messages with many calls, or single calls if the master knows no such
+ * messages. @return the payloads; nothing if a call failed. */
+std::optional<std::vector<Value>> askMaster(std::vector<Request> requests) {
+  for (Request& request : requests)
+    request.arguments.insert(request.arguments.begin(), Value(ros::this_node::getName()));
+  std::optional<std::vector<Value>> all = callAll(ros::master::getHost(), ros::master::getPort(), requests);
+  if (all) return all;
+  std::vector<Value> payloads;
+  for (const Request& request : requests) {
+    const std::optional<Value> one =
+        call(ros::master::getHost(), ros::master::getPort(), request.method, request.arguments);
+    if (!one) return {};
+    payloads.push_back(*one);
+  }
+  return payloads;
+}
+
+/** @return a request for each topic of a list of [topic, type]. */
+std::vector<Request> requestsFor(Value& topics, const std::string& method) {
+  std::vector<Request> requests;
+  for (int i = 0; i < topics.size(); ++i)
+    requests.push_back({method, {topics[i][0], topics[i][1], ownUri()}});
+  return requests;
+}
+
 bool registerTopics() {
   std::optional<Value> topics = callSelf("getPublications");
-  bool good = topics.has_value();
-  for (int i = 0; good && i < topics->size(); ++i)
-    good = callMaster("registerPublisher", {(*topics)[i][0], (*topics)[i][1], ownUri()}).has_value();
-  return good;
+  return topics && askMaster(requestsFor(*topics, "registerPublisher")).has_value();
 }
 
-/** The master answers with the list of publishers. We pass it on to ourselves, as the master does for later publishers.
- * An empty list is not
- *  passed on: a publisher that did not register again still sends over the existing connection. */
-bool registerSubscription(const Value& topic, const Value& type) {
-  const std::optional<Value> publishers = callMaster("registerSubscriber", {topic, type, ownUri()});
-  if (!publishers) return false;
-  if (publishers->getType() == Value::TypeArray && publishers->size() > 0)
-    callSelf("publisherUpdate", {topic, *publishers});
-  return true;
-}
-
+/** The master answers each registration with the list of publishers. We pass it on to ourselves, as the master does for
+ * later publishers. An empty list is not passed on: a publisher that did not register again still sends over the
+ * existing connection. */
 bool registerSubscriptions() {
   std::optional<Value> topics = callSelf("getSubscriptions");
-  bool good = topics.has_value();
-  for (int i = 0; good && i < topics->size(); ++i)
-    good = registerSubscription((*topics)[i][0], (*topics)[i][1]);
-  return good;
+  if (!topics) return false;
+  const std::vector<Request> requests = requestsFor(*topics, "registerSubscriber");
+  std::optional<std::vector<Value>> publishers = askMaster(requests);
+  for (std::size_t i = 0; publishers && i < publishers->size(); ++i) {
+    if ((*publishers)[i].getType() == Value::TypeArray && (*publishers)[i].size() > 0)
+      callSelf("publisherUpdate", {requests[i].arguments[0], (*publishers)[i]});
+  }
+  return publishers.has_value();
 }
 
 bool registerServices(std::vector<std::string> services) {
@@ -71,10 +89,10 @@ bool registerServices(std::vector<std::string> services) {
     services.push_back(ros::names::resolve(own));
   const std::string api =
       "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
-  bool good = true;
+  std::vector<Request> requests;
   for (const std::string& service : services)
-    good = good && callMaster("registerService", {Value(service), Value(api), ownUri()}).has_value();
-  return good;
+    requests.push_back({"registerService", {Value(service), Value(api), ownUri()}});
+  return askMaster(requests).has_value();
 }
 
 }  // namespace

@@ -24,4 +24,19 @@ std::optional<XmlRpc::XmlRpcValue> call(const std::string& host,
                                         const std::vector<XmlRpc::XmlRpcValue>& arguments,
                                         double patience = kPatience);  // [s]
 
+struct Request {
+  std::string method;
+  std::vector<XmlRpc::XmlRpcValue> arguments;
+};
+
+/**
+ * Many calls in few messages (system.multicall; every XML-RPC server of Python has it, so rosmaster, too): one
+ * connection and one answer for some 50 calls. `patience` is for each message. @return the payloads in order; nothing
+ * if a call had no answer or the peer said no.
+ */
+std::optional<std::vector<XmlRpc::XmlRpcValue>> callAll(const std::string& host,
+                                                        std::uint32_t port,
+                                                        const std::vector<Request>& requests,
+                                                        double patience = kPatience);  // [s]
+
 }  // namespace raven2_trainer::ros_bridge
