@@ -144,12 +144,12 @@ def tip(station, arm="arm1"):
 
 def press_pedal(browser):
     """Presses the pedal. Presses again if the page asks for it, because a busy machine delayed the console."""
-    for _ in range(3):
+    for _ in range(10):
         ActionChains(browser.driver).key_up(Keys.SPACE).pause(0.3).key_down(Keys.SPACE).perform()
         browser.until(lambda: browser.text("mode").startswith("The hands move") or is_refused(browser), 5, "the pedal counts or is refused")
         if not is_refused(browser):
             return
-    raise AssertionError("the page asked for another press three times")
+    raise AssertionError("the page asked for another press ten times")
 
 
 def is_refused(browser):
@@ -171,7 +171,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     ActionChains(driver).move_to_element(picture).click().perform()
     browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
     time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
-    for _ in range(3):  # again if a busy machine delayed the console until the pedal came up
+    for _ in range(10):  # again if a busy machine delayed the console until the pedal came up
         press_pedal(browser)
         before = tip(station)
         for _ in range(30):
@@ -188,7 +188,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     os.kill(console, signal.SIGSTOP)
     time.sleep(0.5)
     os.kill(console, signal.SIGCONT)
-    browser.until(lambda: is_refused(browser), 3, "the page asks for another press")
+    browser.until(lambda: is_refused(browser), 10, "the page asks for another press")
     assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
     press_pedal(browser)
     driver.switch_to.new_window("tab")  # hides the page
@@ -197,12 +197,27 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     end(browser)
 
 
+# Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
+TIP = """
+import time
+import rospy
+from geometry_msgs.msg import PoseStamped
+newest = []
+rospy.init_node("tip", anonymous=True, disable_signals=True)
+rospy.Subscriber("/arm1/measured_cp", PoseStamped, lambda m: newest.__setitem__(slice(None), [m.pose]), queue_size=1)
+while True:
+    time.sleep(0.05)
+    if newest:
+        p, q = newest[0].position, newest[0].orientation
+        print(p.x, p.y, p.z, q.x, q.y, q.z, q.w, flush=True)
+"""
+
+
 class Tip:
     """The published pose of the gold arm's tip in the world: position [m] and rotation matrix."""
 
     def __init__(self, master):
-        self._process = master.popen("rostopic", "echo", "-p", "/arm1/measured_cp", stdout=subprocess.PIPE)
-        self._names = self._process.stdout.readline().strip().split(",")
+        self._process = master.popen(sys.executable, "-c", TIP, stdout=subprocess.PIPE)
         self.line = ""
         threading.Thread(target=self._read, daemon=True).start()
 
@@ -211,9 +226,8 @@ class Tip:
             self.line = line
 
     def pose(self):
-        values = dict(zip(self._names, self.line.strip().split(",")))
-        position = np.array([float(values[f"field.pose.position.{axis}"]) for axis in "xyz"])
-        return position, rotation_of([float(values[f"field.pose.orientation.{axis}"]) for axis in "xyzw"])
+        values = [float(value) for value in self.line.split()]
+        return np.array(values[:3]), rotation_of(values[3:])
 
     def close(self):
         self._process.kill()
@@ -311,7 +325,7 @@ def test_a_mouse_lifts_the_ring(station, browser):
     mouse = Mouse(driver, (box["width"] / 2, box["height"] / 2))
     tip = Tip(station.master)
     try:
-        browser.until(lambda: tip.line, 5, "the tip is published")
+        browser.until(lambda: tip.line, 15, "the tip is published")
         origin, orientation = tip.pose()
         time.sleep(0.3)
         press_pedal(browser)
@@ -320,7 +334,7 @@ def test_a_mouse_lifts_the_ring(station, browser):
             if number == 2:
                 mouse.send("mousePressed", button="left", buttons=1)
                 time.sleep(1.0)  # the jaws close
-            assert steer(browser, mouse, tip, goal_p, goal_R, 20) or number == 2, f"waypoint {number}: {goal_p - tip.pose()[0]}"
+            assert steer(browser, mouse, tip, goal_p, goal_R, 180) or number == 2, f"waypoint {number}: {goal_p - tip.pose()[0]}"
         browser.until(lambda: driver.find_elements(By.CSS_SELECTOR, "#steps li.done"), 5, "the ring is lifted")
     finally:
         tip.close()
