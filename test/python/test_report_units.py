@@ -16,9 +16,15 @@ import raven2_figures  # noqa: E402  (in the same folder as raven2_session)
 import raven2_session  # noqa: E402
 from raven2_report import curves, details, drawing, hazard_page, metric_words, record, scorecard  # noqa: E402
 from raven2_report import timeline, verdict, view3d  # noqa: E402
-from raven2_report.facts import Facts  # noqa: E402
+from raven2_report.facts import PHASES, Facts  # noqa: E402
 
 READ = {"-": "", "count": "", "um": " µm", "m/s^3": " m/s³", "Ns": " N s"}  # a unit as a reader sees it
+
+
+def test_every_mode_has_its_words():
+    header = (made.ROOT / "include/raven2_trainer/core/mode.h").read_text(encoding="utf-8")
+    names = re.search(r"kModeNames\{(.*?)\}", header, re.S).group(1)
+    assert list(PHASES) == re.findall(r'"(\w+)"', names)
 
 
 def cells(html):

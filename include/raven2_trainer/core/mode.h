@@ -23,7 +23,7 @@ enum class Mode : std::uint8_t {
   kTrial,           ///< virtual trial, pedal down: as kSimulating, and the motion is recorded
   kTrialHeld,       ///< virtual trial, pedal up: the model holds
   kTrialReady,      ///< the trial is over: a request repeats or discards it
-  kReturning,       ///< the model moves smoothly to the robot's joints, through objects
+  kReturning,       ///< the model moves smoothly to the robot's joints or, without a robot, to a trial's start; through objects
   kReplaying,       ///< pedal up: the model shows a recorded session without physics; the robot holds
   kCameraMoving,    ///< camera pedal down: the masters move the camera; model and robot hold
 };

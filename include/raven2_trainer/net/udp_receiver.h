@@ -12,7 +12,7 @@ namespace raven2_trainer::net {
 
 /** A received datagram. */
 struct Datagram {
-  std::size_t size{};  ///< [bytes] as sent; more than the buffer holds means it was cut, so it is seen, not accepted
+  std::size_t size{};  ///< [bytes] UdpReceiver: as sent, also if the buffer holds fewer; UdpSocket: those in the buffer
   Endpoint source{};
   bool foreign{};  ///< a source is pinned and this is another one
 };
