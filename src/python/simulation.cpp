@@ -25,6 +25,20 @@ std::atomic<std::uint64_t> simulations{0};
 
 }  // namespace
 
+namespace {
+
+/** Hazards of the robot or of the stream to it would be armed and change nothing. */
+void demandRobotFor(const TrainerConfig& config, const std::string& hazard, bool has_robot) {
+  const std::uint32_t id = config::faultId(config, hazard);
+  if (has_robot || id == 0) return;
+  const std::vector<Fault>& rows = config.scenarios[id - 1].faults;
+  const bool acts = std::any_of(rows.begin(), rows.end(), [](const Fault& row) { return row.host == FaultHost::kMaster || row.host == FaultHost::kConsole; });
+  if (!acts)
+    throw std::invalid_argument("hazard " + hazard + " acts on the robot, and robot is \"none\": take robot=\"virtual\"");
+}
+
+}  // namespace
+
 TrainerConfig loadConfig(const SimulationOptions& options) {
   const std::string root = options.config.empty() ? config::shareFolder() + "/config/trainer.yaml" : options.config;
   const bool has_exercise = options.exercise != "none";
@@ -35,6 +49,7 @@ TrainerConfig loadConfig(const SimulationOptions& options) {
   loaded.seed = options.seed;
   if (!has_exercise) loaded.hazard = options.hazard;
   config::checkHazard(loaded);
+  demandRobotFor(loaded, has_exercise ? loaded.drill : loaded.hazard, options.has_robot);
   loaded.virtual_raven.full_homing = false;
   if (options.motion == "commands") loaded.runtime.plan_at = -1.0;  // the model moves as commanded alone
   return loaded;
@@ -264,6 +279,7 @@ void Simulation::inject(const std::string& hazard) {
   request.order = FaultOrder::kArmAtOnce;
   request.fault_id = config::faultId(config_, hazard);
   if (request.fault_id == 0) throw std::invalid_argument("inject: \"none\" is no hazard; clear_hazards() ends all");
+  demandRobotFor(config_, hazard, has_robot_);
   stack_->shared()->fault_requests.tryPush(request);
 }
 

@@ -222,6 +222,17 @@ def test_motion_too_fast_for_the_packets_is_refused_and_slower_motion_arrives_wh
     assert (ready.state.desired_tips_in_world - before)[0] == pytest.approx([0, 0, 0.005], abs=1e-5)
 
 
+def test_a_hazard_that_could_not_act_without_a_robot_is_refused():
+    for hazard in ("sudden_jump", "net_loss_10"):
+        for settings in ({"hazard": hazard}, {"exercise": PICK, "hazard": hazard}):
+            with pytest.raises(ValueError, match=f"{hazard} acts on the robot"):
+                raven2_trainer.Simulation(robot="none", **settings)
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.inject("master_sluggish")
+        with pytest.raises(ValueError, match="sudden_jump acts on the robot"):
+            simulation.inject("sudden_jump")
+
+
 def test_none_is_no_hazard_to_inject(ready):
     with pytest.raises(ValueError, match="clear_hazards"):
         ready.inject("none")
