@@ -35,6 +35,12 @@ class Part:
         with np.load(self.folder / "table.npz", allow_pickle=False) as table:
             return {name: table[name] for name in table.files}
 
+    def ends(self):
+        """(done, reward) of each frame: an episode is done with its last frame; the reward is 1 there if the exercise is."""
+        done = np.zeros(self.length, bool)
+        done[-1] = True
+        return done, done.astype(np.float32) * np.float32(self.facts["success"])
+
     def video(self, camera):
         return self.folder / f"{camera}.mp4"
 

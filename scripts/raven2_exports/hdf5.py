@@ -9,7 +9,13 @@ from raven2_exports import episode
 STRING = h5py.string_dtype("utf-8")
 
 
-def _write_demo(group, part, fps, pictures):
+def _scale(parts):
+    """The largest command of each column in all episodes; 1 for a column that is 0 throughout."""
+    largest = np.max([np.abs(part.columns()["action"]).max(0) for part in parts], axis=0)
+    return np.where(largest > 0, largest, 1).astype(np.float32)
+
+
+def _write_demo(group, part, fps, pictures, scale):
     columns = part.columns()
     group.attrs["num_samples"] = part.length
     group.attrs["task"] = part.facts["task"]
@@ -19,7 +25,7 @@ def _write_demo(group, part, fps, pictures):
     group.attrs["hazards"] = json.dumps(part.facts["hazards"])
     group.attrs["object_names"] = json.dumps(part.facts["objects"])
     for name, values in columns.items():
-        place = {"action": "actions"}.get(name, name.replace("observation.", "obs/").replace("truth.", "truth/"))
+        place = {"action": "commands"}.get(name, name.replace("observation.", "obs/").replace("truth.", "truth/"))
         is_text = values.dtype.kind == "U"
         stored = group.create_dataset(place, data=values.astype(object) if is_text else values, dtype=STRING if is_text else None,
                                       compression="gzip", compression_opts=4)
@@ -27,10 +33,11 @@ def _write_demo(group, part, fps, pictures):
         stored.attrs["unit"], stored.attrs["meaning"] = unit, meaning
         if names:
             stored.attrs["names"] = json.dumps(names)
-    done = np.zeros(part.length, np.int64)
-    done[-1] = 1
-    group.create_dataset("dones", data=done)
-    group.create_dataset("rewards", data=done.astype(np.float32) * part.facts["success"])  # 1 when the exercise is done
+    actions = group.create_dataset("actions", data=columns["action"] / scale, compression="gzip", compression_opts=4)
+    actions.attrs["scale"], actions.attrs["meaning"] = scale, "commands / scale: -1 to 1, as robomimic's policies have it"
+    done, reward = part.ends()
+    group.create_dataset("dones", data=done.astype(np.int64))
+    group.create_dataset("rewards", data=reward)
     group.create_dataset("timestamps", data=np.arange(part.length) / fps)
     for camera in pictures.cameras:
         group.create_dataset(f"obs/{camera}_image", data=part.frames(camera, pictures.size), chunks=(1, *pictures.size[::-1], 3),
@@ -39,12 +46,12 @@ def _write_demo(group, part, fps, pictures):
 
 def write(parts, path, fps, pictures):
     with h5py.File(path, "w") as file:
-        data = file.create_group("data")
+        data, scale = file.create_group("data"), _scale(parts)
         data.attrs["total"] = sum(part.length for part in parts)
         data.attrs["fps"] = fps
         data.attrs["env_args"] = json.dumps({"env_name": "raven2_trainer", "env_version": "1", "type": 2, "env_kwargs": {}})
         for number, part in enumerate(parts):
-            _write_demo(data.create_group(f"demo_{number}"), part, fps, pictures)
+            _write_demo(data.create_group(f"demo_{number}"), part, fps, pictures, scale)
         for split in episode.SPLITS:
             names = [f"demo_{number}" for number, part in enumerate(parts) if part.facts["split"] == split]
             if names:

@@ -6,6 +6,7 @@ reader in lerobot 0.3.3 (2.1) and 0.4.4 (3.0).
 
 import json
 import shutil
+import subprocess
 
 import numpy as np
 import pyarrow
@@ -16,6 +17,7 @@ VERSIONS = ("2.1", "3.0")
 ROBOT = "raven2"
 CHUNK = 1000  # files in a folder
 FILE_BYTES = 100 * 1024 * 1024  # of a table in 3.0
+ENDS = {"next.done": "bool", "next.success": "bool", "next.reward": "float32"}
 INDICES = ("timestamp", "frame_index", "episode_index", "index", "task_index")
 QUANTILES = (0.01, 0.10, 0.50, 0.90, 0.99)
 SAMPLES = 100  # pictures of an episode whose values its statistics use
@@ -31,17 +33,27 @@ def picture_key(camera):
     return f"observation.images.{camera}"
 
 
-def features(fps, pictures):
-    """The description of each column, as info.json has it."""
+def _stream(path):
+    """Codec and pixel format of a video."""
+    words = ["ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries", "stream=codec_name,pix_fmt", "-of", "json", path]
+    found = json.loads(subprocess.run(words, capture_output=True, check=True).stdout)["streams"][0]
+    return found["codec_name"], found["pix_fmt"]
+
+
+def features(fps, pictures, part):
+    """The description of each column, as info.json has it; `part` is one of the episodes."""
     found = {}
     for name, (names, _, _) in episode.COLUMNS.items():
         kind = "string" if names is None else "float32"
         found[name] = {"dtype": kind, "shape": [len(names) if names else 1], "names": names or [name.split(".")[-1]]}
     width, height = pictures.size if pictures.cameras else (0, 0)
+    for name, kind in ENDS.items():
+        found[name] = {"dtype": kind, "shape": [1], "names": None}
     for camera in pictures.cameras:
+        codec, pixels = _stream(part.video(camera))
         found[picture_key(camera)] = {
             "dtype": "video", "shape": [height, width, 3], "names": ["height", "width", "channels"],
-            "info": {"video.height": height, "video.width": width, "video.codec": "h264", "video.pix_fmt": "yuv420p",
+            "info": {"video.height": height, "video.width": width, "video.codec": codec, "video.pix_fmt": pixels,
                      "video.is_depth_map": False, "video.fps": fps, "video.channels": 3, "has_audio": False}}
     for name in INDICES:
         found[name] = {"dtype": "float32" if name == "timestamp" else "int64", "shape": [1], "names": None}
@@ -52,9 +64,10 @@ class Table:
     """An episode's columns with its indices: `values` by name, as numpy arrays."""
 
     def __init__(self, part, number, first, task, fps):
-        frames = np.arange(part.length)
+        frames, (done, reward) = np.arange(part.length), part.ends()
         self.part, self.number, self.first, self.length = part, number, first, part.length
-        self.values = {**part.columns(), "timestamp": (frames / fps).astype(np.float32), "frame_index": frames,
+        self.values = {**part.columns(), "next.done": done, "next.success": reward > 0, "next.reward": reward,
+                       "timestamp": (frames / fps).astype(np.float32), "frame_index": frames,
                        "episode_index": np.full(part.length, number), "index": first + frames, "task_index": np.full(part.length, task)}
 
     def arrow(self):
@@ -140,7 +153,7 @@ class _Writer:
         _json(self.path / "meta/info.json", {
             "codebase_version": f"v{version}", "robot_type": ROBOT, "total_episodes": len(self.parts), "total_frames": self.total,
             "total_tasks": len(self.tasks), **more, "chunks_size": CHUNK, "fps": self.fps, "splits": ranges, "data_path": data,
-            "video_path": video if self.pictures.cameras else None, "features": features(self.fps, self.pictures)})
+            "video_path": video if self.pictures.cameras else None, "features": features(self.fps, self.pictures, self.parts[0])})
         _lines(self.path / "meta/raven2_sessions.jsonl",
                [{"episode_index": number, **part.facts} for number, part in enumerate(self.parts)])
 

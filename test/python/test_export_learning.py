@@ -63,8 +63,18 @@ def test_each_split_has_its_session(data):
     assert [demos[f"demo_{i}"].attrs["session"] for i in range(3)] == ["c", "a", "b"]
     lengths = [demos[f"demo_{i}"].attrs["num_samples"] for i in range(3)]
     assert lengths == [90, 258, 285] and demos.attrs["total"] == sum(lengths)
-    frames = pandas.DataFrame(demos["demo_1/actions"][:], columns=json.loads(demos["demo_1/actions"].attrs["names"]))
+    frames = pandas.DataFrame(demos["demo_1/commands"][:], columns=json.loads(demos["demo_1/commands"].attrs["names"]))
     assert len(frames) == 258 and "green_turn_z" in frames and np.isfinite(frames.to_numpy()).all()
+
+
+def test_actions_are_commands_on_a_scale_that_policies_have(data):
+    largest = np.zeros(14)
+    for demo in data[0].values():
+        actions = demo["actions"]
+        np.testing.assert_allclose(actions[:] * actions.attrs["scale"], demo["commands"][:], atol=1e-7)
+        largest = np.maximum(largest, np.abs(actions[:]).max(0))
+    moved = np.any([demo["commands"][:].any(0) for demo in data[0].values()], axis=0)
+    assert moved[[0, 1, 2]].all() and largest == pytest.approx(moved.astype(float))
 
 
 def test_the_states_are_those_of_the_frames_ticks(data, sessions):
@@ -105,7 +115,7 @@ def test_the_actions_move_a_simulation_along_the_same_path(data):
         simulation.step(ticks=1)
         begin = simulation.state.tips.copy()
         for frame in range(89):
-            action = demo["actions"][frame].reshape(2, 7).astype(float)
+            action = demo["commands"][frame].reshape(2, 7).astype(float)
             simulation.step(action, ticks=int(starts[frame + 1] - starts[frame]))
         end = np.concatenate([R_WB[arm] @ (simulation.state.tips - begin)[arm] for arm in (0, 1)])
     wanted = demo["obs/model_state"][89, 14:] - demo["obs/model_state"][0, 14:]
@@ -124,7 +134,7 @@ def assert_the_tool_turns_as_recorded(demo, frames):
         simulation.start()
         simulation.step(ticks=1)
         for frame in range(frames):
-            simulation.step(demo["actions"][frame].reshape(2, 7).astype(float), ticks=int(starts[frame + 1] - starts[frame]))
+            simulation.step(demo["commands"][frame].reshape(2, 7).astype(float), ticks=int(starts[frame + 1] - starts[frame]))
         reached = simulation.state.joints.reshape(14).copy()
     moved = np.abs(joints[frames] - joints[0])
     assert moved[3:7].max() > 0.2, "roll, wrist and jaws of the gold arm move"

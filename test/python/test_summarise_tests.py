@@ -49,7 +49,8 @@ def test_nothing_skipped_is_not_mentioned(tmp_path):
      "scripts/test -R '^rostest_replay_session$'"),
     ("asan", "core", '<testcase classname="A" name="a"><failure/></testcase>',
      "GTEST_FILTER='A.a' ctest --test-dir build/fuzz --output-on-failure -R '^core$'"),
-    ("fuzz", "fuzz", '<testcase classname="fuzz" name="yaml"><failure/></testcase>', "scripts/fuzz --seconds 3 yaml")])
+    ("fuzz", "fuzz", '<testcase classname="fuzz" name="yaml"><failure/></testcase>', "scripts/fuzz --seconds 3 yaml"),
+    ("learn", "learn", '<testcase classname="A" name="a"><failure/></testcase>', "scripts/test --full --only learn")])
 def test_a_failure_names_the_command_that_repeats_it(tmp_path, run_name, file, case, again):
     lines = summarise(run(tmp_path, 8, name=run_name, **{file: f"<testsuite>{case}</testsuite>"}))[1]
     assert f"  again: {again}" in lines

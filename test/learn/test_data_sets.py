@@ -1,4 +1,4 @@
-"""Data sets of export_session --format lerobot, opened with the real library, each version in an environment from PyPI."""
+"""Data sets of export_session --format lerobot and hdf5, opened with the real libraries, each in an environment from PyPI."""
 import os
 import pathlib
 import subprocess
@@ -18,8 +18,25 @@ for i in (0, 59, 60, 329):
     frame = data[i]
     assert frame["episode_index"] == (i >= 60) and tuple(frame["observation.images.endoscope"].shape) == (3, 120, 160)
     assert tuple(frame["action"].shape) == (14,) and frame["task"] == "teleoperation"
-assert {data[i]["truth.phase"] for i in range(60, 330)} == {"nominal", "failure"}
+assert {data[i]["truth.phase"] for i in range(60, 330)} == {"nominal", "failure", "recovery"}
+assert [i for i in range(330) if data[i]["next.done"]] == [59, 329] and data[329]["next.reward"] == 0
 print("opened", data.meta._version)
+"""
+ROBOMIMIC = "robomimic==0.3.0"  # without what its environments need
+OF_ROBOMIMIC = ("torch", "torchvision", "h5py", "tqdm", "psutil", "termcolor", "tensorboard", "tensorboardX", "imageio", "matplotlib", "wheel")
+SEQUENCES = """
+import sys
+import robomimic.utils.obs_utils
+from robomimic.utils.dataset import SequenceDataset
+robomimic.utils.obs_utils.initialize_obs_utils_with_obs_specs({"obs": {"low_dim": ["state", "objects"], "rgb": ["endoscope_image"]}})
+def opened(split):
+    return SequenceDataset(hdf5_path=sys.argv[1], obs_keys=("state", "objects", "endoscope_image"), dataset_keys=("actions", "rewards", "dones"),
+                           frame_stack=1, seq_length=10, hdf5_cache_mode="low_dim", load_next_obs=False, filter_by_attribute=split)
+data = opened(None)
+first = data[0]
+assert (len(data), len(opened("nominal")), len(opened("recovery"))) == (330, 60, 270), len(data)
+assert first["actions"].shape == (10, 14) and first["obs"]["endoscope_image"].shape[1:] == (120, 160, 3), first["obs"]["endoscope_image"].shape
+print("opened")
 """
 
 
@@ -51,3 +68,16 @@ def test_the_library_opens_the_data_set(version, sessions, tmp_path):
     opened = subprocess.run([library / "bin/python3", "-c", OPEN, tmp_path / "data"], capture_output=True, text=True, check=False,
                             env={**os.environ, "PYTHONPATH": "", "HF_HOME": str(tmp_path / "cache"), "HF_HUB_OFFLINE": "1"})
     assert opened.returncode == 0 and f"opened {version}" in opened.stdout, opened.stderr
+
+
+def test_robomimic_opens_the_hdf5_file(sessions, tmp_path):
+    done = subprocess.run([PROGRAMS / "export_session", *sessions, "--format", "hdf5", "--cameras", "endoscope", "--size", "160x120",
+                           "--output", tmp_path / "data.hdf5"], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+    library = installed(tmp_path / "library", packages=OF_ROBOMIMIC)
+    subprocess.run([library / "bin/pip", "install", "--quiet", "--no-deps", ROBOMIMIC], check=True, capture_output=True, timeout=600)
+    environment = {**os.environ, "PYTHONPATH": ""}
+    for words in (["-c", SEQUENCES, tmp_path / "data.hdf5"],
+                  ["-m", "robomimic.scripts.get_dataset_info", "--dataset", tmp_path / "data.hdf5"]):  # raises if it is not as it should be
+        opened = subprocess.run([library / "bin/python3", *words], capture_output=True, text=True, check=False, env=environment)
+        assert opened.returncode == 0, opened.stderr
