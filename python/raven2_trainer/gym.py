@@ -6,10 +6,13 @@
 Success, mistakes and failure are the judgement of the same judge that scores surgeons. A reset restores a snapshot.
 """
 
+import pathlib
+
 import gymnasium
 import numpy as np
+import yaml
 
-from .simulation import Simulation
+from .simulation import Simulation, root_file
 
 TICKS = 20         # [ms] of a step
 MOVE = 0.002       # [m] largest motion of a tip along an axis in a step
@@ -21,6 +24,28 @@ SPREAD = 0.004     # [m] of the tips at a reset
 _ARMS = ("gold", "green")
 
 
+PLANTS = ("identified", "more_friction", "worn_tool", "loose_cables")  # of the virtual Raven
+LINKS = (None, "wifi", "wan")
+
+
+def variation(number, config=None, robot="none"):
+    """Arguments of Simulation that differ as two robots, instruments and networks differ: the same number, the same values.
+
+    Friction of the joints is 1 / 1.6 to 1.6 times config/model.yaml's: by so much two robots may differ (config/plants/more_friction.yaml).
+    Friction of contacts is that of ABS and steel, 0.35 to 0.5 (model.yaml), with a jaw twice that. Variation 0 changes nothing.
+    """
+    if number == 0:
+        return {}
+    random = np.random.default_rng([16, number])
+    root = pathlib.Path(root_file(config))
+    model = yaml.safe_load((root.parent / yaml.safe_load(root.read_text(encoding="utf-8"))["model"]).read_text(encoding="utf-8"))
+    settings = {"model/contact_mu": random.uniform(0.35, 0.5), "model/jaw_mu": random.uniform(0.7, 1.0)}
+    for name in ("coulomb_friction", "viscous_friction"):
+        settings[f"model/{name}"] = np.array(model[name], float) * 1.6 ** random.uniform(-1, 1, len(model[name]))
+    plant, link = random.choice(len(PLANTS)), random.choice(len(LINKS))
+    return {"settings": settings, "link": LINKS[link], **({"plant": PLANTS[plant]} if robot == "virtual" else {})}
+
+
 class Raven(gymnasium.Env):
     """Both arms in an exercise. `arms`: those that an action moves.
 
@@ -28,18 +53,19 @@ class Raven(gymnasium.Env):
     (3) [m, B], quaternion (4), jaw opening (1), error (1) [m], where the actions lead (3) [m, world]; objects (n, 7); from the tips to the first object in
     world axes.
     With `pictures=(width, height)` a dict of that ("state") and the endoscope's image ("picture").
+    With `variations=n` each reset takes one of the variations 0 to n - 1 (see variation()), by its seed.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 1000 // TICKS}
 
-    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot="none", config=None, max_steps=1000, render_mode=None):
+    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot="none", config=None, max_steps=1000, variations=1,
+                 render_mode=None):
         self.render_mode = render_mode
         self._make = {"exercise": exercise, "hazard": hazard, "robot": robot if hazard is None else "virtual", "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
-        self._simulation = Simulation(seed=0, **self._make)
-        self._simulation.start()
-        self._begin = self._simulation.save()
+        self._variations, self._started = variations, {}
+        self._take(0)
         self._done_before, self._step = 0, 0
         self.action_space = gymnasium.spaces.Box(-1.0, 1.0, (self._action_size() * len(self._arms),), np.float32)
         state = gymnasium.spaces.Box(-10.0, 10.0, self._observe().shape, np.float32)
@@ -49,9 +75,19 @@ class Raven(gymnasium.Env):
     def _action_size(self):
         return 7
 
+    def _take(self, number):
+        """Goes to the beginning of a variation, which starts when it is first needed."""
+        if number not in self._started:
+            varied = variation(number, self._make["config"], self._make["robot"])
+            simulation = Simulation(seed=0, **self._make, **varied)
+            simulation.start()
+            self._started[number] = (simulation, simulation.save())
+        self._number, (self._simulation, begin) = number, self._started[number]
+        self._simulation.restore(begin)
+
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
-        self._simulation.restore(self._begin)
+        self._take(int(self.np_random.integers(self._variations)) if self._variations > 1 else 0)
         self._step = self._done_before = 0
         command = np.zeros((2, 7))
         command[:, :3] = self.np_random.uniform(-SPREAD, SPREAD, (2, 3))
@@ -75,11 +111,17 @@ class Raven(gymnasium.Env):
         reward, is_over = self._judge(info)
         return self._seen(), reward, is_over, not is_over and self._step >= self._max_steps, info
 
+    @property
+    def simulation(self):
+        """That of the episode, for its state."""
+        return self._simulation
+
     def render(self):
         return self._simulation.render("endoscope", 640, 480)
 
     def close(self):
-        self._simulation.close()
+        for simulation, _ in self._started.values():
+            simulation.close()
 
     def _begin_episode(self):
         """After the arms are at their random start."""
@@ -96,7 +138,7 @@ class Raven(gymnasium.Env):
         exercise = state.exercise
         wanted = self._wanted or len(exercise["steps"])
         return {"is_success": bool(exercise["status"] == "done" or exercise["steps_done"] >= wanted > 0), "steps_done": exercise["steps_done"],
-                "hazard": state.hazard, "tick": state.tick}
+                "hazard": state.hazard, "tick": state.tick, "variation": self._number}
 
     def _seen(self):
         state = self._observe()
@@ -135,7 +177,7 @@ class Reach(Raven):
 
     def _info(self):
         return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0, "hazard": self._simulation.state.hazard,
-                "tick": self._simulation.state.tick}
+                "tick": self._simulation.state.tick, "variation": self._number}
 
     def _judge(self, info):
         return -info["distance"] / REACH + float(info["is_success"]), info["is_success"]

@@ -1,5 +1,6 @@
 """Simulations: console, daemon and virtual Raven in one process, stepped by a program."""
 
+import json
 import os
 import pathlib
 
@@ -14,6 +15,17 @@ def _root(config):
         return os.fspath(config)
     packaged = pathlib.Path(__file__).parents[4] / "share/raven2_trainer/config/trainer.yaml"
     return str(packaged) if packaged.exists() and "RAVEN2_TRAINER_SHARE" not in os.environ else ""
+
+
+def root_file(config=None):
+    """Path of the root file of the configuration: `config`, or the packaged one."""
+    return _root(config) or os.path.join(os.environ["RAVEN2_TRAINER_SHARE"], "config/trainer.yaml")
+
+
+def _yaml(values):
+    """[(key, value as YAML)] of a dict of settings; arrays become lists."""
+    return [(str(key), json.dumps(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value))
+            for key, value in (values or {}).items()]
 
 
 class Kinematics(_core.Kinematics):
@@ -45,18 +57,24 @@ class Simulation(_core.Simulation):
     robot      "virtual": an emulated Raven follows the model; "none": the model alone, faster
     motion     None: commands of step(); else a simulated surgeon, "scripted", "expert" or "clumsy:NAME"
     output     directory of a recorded session; None: nothing is recorded
+    plant      name in config/plants, the virtual Raven's motors, friction and cables; None: the configuration's
+    link       name in config/impairments, the network between hands and trainer; None: a perfect one
+    settings   {"model/contact_mu": 0.4}: values in place of the configuration's, by the file's name in trainer.yaml and its keys
     """
 
-    def __init__(self, exercise=None, hazard=None, seed=1, config=None, robot="virtual", motion=None, output=None):
+    def __init__(self, exercise=None, hazard=None, seed=1, config=None, robot="virtual", motion=None, output=None, plant=None, link=None,
+                 settings=None):
         if robot not in ("virtual", "none"):
             raise ValueError(f"robot is {robot!r}, expected 'virtual' or 'none'")
         if isinstance(seed, bool) or int(seed) != seed or not 0 <= seed < 2**64:
             raise ValueError(f"seed is {seed!r}, expected a whole number from 0")
-        for name, value in (("exercise", exercise), ("hazard", hazard), ("motion", motion)):
+        if plant and robot == "none":
+            raise ValueError(f"plant is {plant!r}, but robot is 'none'")
+        for name, value in (("exercise", exercise), ("hazard", hazard), ("motion", motion), ("plant", plant), ("link", link)):
             if value is not None and not isinstance(value, str):
                 raise TypeError(f"{name} is {value!r}, expected a name or None")
         super().__init__(exercise or "none", hazard or "none", int(seed), _root(config), robot == "virtual", motion or "commands",
-                         os.fspath(output or ""))
+                         os.fspath(output or ""), plant or "", link or "none", _yaml(settings))
 
     def __enter__(self):
         return self

@@ -21,6 +21,8 @@ namespace py = pybind11;
 namespace raven2_trainer::python {
 namespace {
 
+using Settings = std::vector<std::pair<std::string, std::string>>;  ///< key, value as YAML
+
 ArmCommand armCommand(const py::handle& given, const std::string& arm) {
   ArmCommand command;
   if (!py::isinstance<py::dict>(given)) throw std::invalid_argument(arm + ": expected a dict");
@@ -277,15 +279,17 @@ void addSimulation(py::module_* target) {
       .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
 
   py::class_<Simulation>(module, "Simulation")
-      .def(
-          py::init([](const std::string& exercise, const std::string& hazard, std::uint64_t seed,
-                      const std::string& config, bool has_robot, const std::string& motion, const std::string& output) {
-            SimulationOptions options{exercise, hazard, motion, config, output, seed, has_robot};
-            const py::gil_scoped_release release;
-            return std::make_unique<Simulation>(options);
-          }),
-          py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
-          py::arg("motion"), py::arg("output"))
+      .def(py::init([](const std::string& exercise, const std::string& hazard, std::uint64_t seed,
+                       const std::string& config, bool has_robot, const std::string& motion, const std::string& output,
+                       const std::string& plant, const std::string& link, const Settings& settings) {
+             SimulationOptions options{exercise, hazard, motion, config, output, seed, has_robot, plant, link, {}};
+             for (const auto& [key, value] : settings)
+               options.settings.push_back({key, value, "settings[\"" + key + "\"]"});
+             const py::gil_scoped_release release;
+             return std::make_unique<Simulation>(options);
+           }),
+           py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
+           py::arg("motion"), py::arg("output"), py::arg("plant"), py::arg("link"), py::arg("settings"))
       .def(
           "step",
           [](Simulation& self, const py::object& command, int ticks) {

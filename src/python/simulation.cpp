@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/control/axis_map.h"
@@ -45,7 +46,8 @@ TrainerConfig loadConfig(const SimulationOptions& options) {
   config::TrainingNames names;
   names.exercise = options.exercise;
   names.drill = has_exercise ? options.hazard : "none";
-  TrainerConfig loaded = config::loadTrainerConfig(root, names);
+  TrainerConfig loaded = config::loadTrainerConfig(root, names, options.settings);
+  if (!options.plant.empty()) config::selectPlant(&loaded, options.plant);
   loaded.seed = options.seed;
   if (!has_exercise) loaded.hazard = options.hazard;
   config::checkHazard(loaded);
@@ -56,6 +58,10 @@ TrainerConfig loadConfig(const SimulationOptions& options) {
 }
 
 namespace {
+
+std::string labelOf(const SimulationOptions& options) {
+  return options.motion + (options.link == "none" ? "" : " over " + options.link);
+}
 
 double limited(double opening) noexcept {
   return std::clamp(opening, control::kMinOpening, control::kMaxOpening);
@@ -80,8 +86,8 @@ class Simulation::Recording {
       : config_(config),
         stack_(*stack),
         paths_(session::createSessionDirectory(options.output)),
-        meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, options.motion)),
-        recorder_(config, stack->bodyNames(), paths_, options.motion, stack->shared()) {}
+        meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, labelOf(options))),
+        recorder_(config, stack->bodyNames(), paths_, labelOf(options), stack->shared()) {}
 
   void drain() { recorder_.drain(); }
   void finish() {
@@ -102,6 +108,7 @@ class Simulation::Recording {
 Simulation::Simulation(const SimulationOptions& options)
     : number_(++simulations),
       config_(loadConfig(options)),
+      link_(config::findImpairment(config::shareFolder() + "/config/impairments", options.link)),
       raven_(std::make_shared<model::RavenModel>(model::loadRavenModel(config_))),
       scene_(std::make_shared<model::SceneModel>(model::loadSceneModel(config_))),
       records_(std::make_unique<RecordRings>()),
@@ -146,6 +153,7 @@ void Simulation::build(const SimulationOptions& options) {
   parts.has_robot = options.has_robot;
   parts.trial_limit = 0.1;  // a program has save() and restore()
   stack_ = std::make_unique<lockstep::LockstepStack>(config_, std::move(hands), parts);
+  if (options.link != "none") stack_->impair(link_);
 }
 
 Simulation::~Simulation() {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "python/arena.h"
+#include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/commanded_source.h"
 #include "raven2_trainer/lockstep/lockstep_stack.h"
@@ -22,6 +23,9 @@ struct SimulationOptions {
   std::string output;              ///< session directory; empty: nothing is recorded
   std::uint64_t seed{1};
   bool has_robot{true};
+  std::string plant;           ///< of the virtual Raven: preset of config/plants; empty: the configuration's
+  std::string link{"none"};    ///< between hands and trainer: preset of config/impairments
+  config::Overrides settings;  ///< values in place of the configuration's
 };
 
 /** The configuration that they stand for. @throw ConfigException. */
@@ -102,6 +106,7 @@ class Simulation {
   mutable std::mutex mutex_;
   const std::uint64_t number_;
   TrainerConfig config_;
+  const Impairment link_;
   std::shared_ptr<const model::RavenModel> raven_;
   std::shared_ptr<const model::SceneModel> scene_;
   std::unique_ptr<RecordRings> records_;

@@ -46,8 +46,21 @@ for seed in range(20):
     successes += info["is_success"]
 assert successes == 20, successes
 
-env = gymnasium.make("raven2_trainer/PickRing-v0", hazard="sudden_jump", pictures=(64, 48))
-observation, _ = env.reset(seed=1)
+# each seed has its variation of friction and link, and always the same episode
+env = gymnasium.make("raven2_trainer/Reach-v0", variations=3)
+first = {seed: episode(env, seed) for seed in range(8)}
+taken = {seed: env.reset(seed=seed)[1]["variation"] for seed in range(20)}
+assert set(taken.values()) == {0, 1, 2}, taken
+assert all(np.array_equal(first[seed], episode(env, seed)) for seed in (7, 3, 5, 0))
+for number in (1, 2):
+    varied = raven2_trainer.gym.variation(number)["settings"]
+    assert 0.35 <= varied["model/contact_mu"] <= 0.5 and varied["model/viscous_friction"].shape == (7,)
+assert raven2_trainer.gym.variation(0) == {} and "plant" in raven2_trainer.gym.variation(1, robot="virtual")
+env.close()
+
+env = gymnasium.make("raven2_trainer/PickRing-v0", hazard="sudden_jump", pictures=(64, 48), variations=2)
+seed = next(seed for seed in range(20) if env.reset(seed=seed)[1]["variation"] == 1)
+observation, _ = env.reset(seed=seed)
 assert observation["picture"].shape == (48, 64, 3) and observation["picture"].std() > 5
 assert env.observation_space.contains(observation)
 print("all good")

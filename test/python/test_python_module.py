@@ -233,6 +233,39 @@ def test_a_hazard_that_could_not_act_without_a_robot_is_refused():
             simulation.inject("sudden_jump")
 
 
+def moved(**options):
+    """Joints after a short fast motion of the gold arm, and after a rest."""
+    with raven2_trainer.Simulation(**options) as simulation:
+        simulation.start()
+        simulation.step({"gold": {"move": [0, 0.02, 0]}}, ticks=100)
+        fast = simulation.state.joints[0].copy()
+        simulation.step(ticks=400)
+        return fast, simulation.state.joints[0].copy(), simulation.state.robot_joints[0].copy()
+
+
+def test_settings_plant_and_link_change_what_they_name():
+    usual = moved()
+    sticky = moved(settings={"model/coulomb_friction": np.array([4.0, 4.0, 9.0, 0, 0, 0, 0])})
+    assert np.abs(sticky[0] - usual[0])[:2].min() > 0.01, "both joints lag by their friction"
+    worn = moved(plant="more_friction")
+    assert np.abs(worn[2] - usual[2])[:3].max() > 1e-4
+    late = moved(link="wan")
+    assert np.abs(late[0] - usual[0]).max() > 1e-4 and np.array_equal(late[1], moved(link="wan")[1])
+
+
+def test_settings_that_are_not_good_are_refused_with_their_key():
+    for settings, says in (({"model/contact_mo": 1}, r"model/contact_mo|contact_mo"), ({"model/contact_mu": -1}, r"contact_mu"),
+                           ({"model/contact_mu": float("nan")}, "contact_mu"), ({"injection/enable": False}, "files alone"),
+                           ({"model/viscous_friction": [1, 2]}, "viscous_friction")):
+        with pytest.raises(raven2_trainer.ConfigError, match=says):
+            raven2_trainer.Simulation(settings=settings)
+    for options in ({"plant": "wood"}, {"link": "string"}):
+        with pytest.raises(raven2_trainer.ConfigError, match="wood|string"):
+            raven2_trainer.Simulation(**options)
+    with pytest.raises(ValueError, match="robot is 'none'"):
+        raven2_trainer.Simulation(robot="none", plant="worn_tool")
+
+
 def test_none_is_no_hazard_to_inject(ready):
     with pytest.raises(ValueError, match="clear_hazards"):
         ready.inject("none")
