@@ -189,7 +189,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     time.sleep(0.5)
     os.kill(console, signal.SIGCONT)
     browser.until(lambda: is_refused(browser), 10, "the page asks for another press")
-    assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
+    browser.until(lambda: browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal"), 3, "nothing moves")
     press_pedal(browser)
     driver.switch_to.new_window("tab")  # hides the page
     driver.switch_to.window(driver.window_handles[0])
