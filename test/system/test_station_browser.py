@@ -27,6 +27,7 @@ from selenium.webdriver.support.ui import Select  # noqa: E402
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 pytestmark = pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="chromium or chromium-driver is not installed")
+PATIENCE = 4  # times as long where a busy machine draws the pages; test_station.py measures how soon things happen
 QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run", "--disable-background-networking",
          "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage")
 
@@ -71,7 +72,7 @@ class Browser:
 
     def until(self, condition, seconds, what):
         try:
-            wait_until(condition, seconds, what)
+            wait_until(condition, PATIENCE * seconds, what)
         except AssertionError:
             raise AssertionError(f"{what}: {self.driver.find_element(By.TAG_NAME, 'body').text}") from None
 
@@ -156,6 +157,22 @@ def is_refused(browser):
     return browser["pedal"].get_attribute("data-down") == "refused"
 
 
+def stop_console_for(station, seconds):
+    console = station.programs()["master_console"]
+    os.kill(console, signal.SIGSTOP)
+    time.sleep(seconds)
+    os.kill(console, signal.SIGCONT)
+
+
+def wait_for(condition, seconds):
+    """@return whether it came true in that time."""
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if condition():
+            return True
+    return False
+
+
 def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser):
     browser.open()
     browser.choose(exercise="pick_hand_over_place", hazard="none", driver="browser", trainee="")
@@ -171,25 +188,25 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     ActionChains(driver).move_to_element(picture).click().perform()
     browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
     time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
-    for _ in range(10):  # again if a busy machine delayed the console until the pedal came up
+    for _ in range(10):  # again if a busy machine stalled the page: then the pedal comes up, and motion is lost
         press_pedal(browser)
         before = tip(station)
         for _ in range(30):
             ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
         time.sleep(1.0)
-        if not is_refused(browser):
+        moved = [1e3 * (a - b) for a, b in zip(tip(station), before)]
+        if moved[1] < -5.0:
             break
-    after = tip(station)
-    moved = [1e3 * (a - b) for a, b in zip(after, before)]
     assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
     driver.execute_script("const end = performance.now() + 400; while (performance.now() < end);")
     browser.until(lambda: browser.text("mode").startswith("The hands move"), 3, "a page that stalled goes on")
-    console = station.programs()["master_console"]
-    os.kill(console, signal.SIGSTOP)
-    time.sleep(0.5)
-    os.kill(console, signal.SIGCONT)
-    browser.until(lambda: is_refused(browser), 10, "the page asks for another press")
-    browser.until(lambda: browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal"), 3, "nothing moves")
+    for _ in range(10):  # again if a busy machine silenced the page, too: then its next message counts as a press
+        stop_console_for(station, 0.5)
+        if wait_for(lambda: is_refused(browser) and browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal"), 3.0):
+            break
+        browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the hands move again")
+    else:
+        raise AssertionError(f"the page asks for no other press: {browser.text('pedal')}")
     press_pedal(browser)
     driver.switch_to.new_window("tab")  # hides the page
     driver.switch_to.window(driver.window_handles[0])
