@@ -22,8 +22,6 @@ NEAR = 0.002       # [m] a reached point
 REACH = 0.02       # [m] farthest point along an axis
 SPREAD = 0.004     # [m] of the tips at a reset
 _ARMS = ("gold", "green")
-
-
 PLANTS = ("identified", "more_friction", "worn_tool", "loose_cables")  # of the virtual Raven
 LINKS = (None, "wifi", "wan")
 
@@ -64,6 +62,8 @@ class Raven(gymnasium.Env):
         self._make = {"exercise": exercise, "hazard": hazard, "robot": robot if hazard is None else "virtual", "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
+        if variations < 1:
+            raise ValueError(f"variations is {variations}, expected at least 1")
         self._variations, self._started = variations, {}
         self._take(0)
         self._done_before, self._step = 0, 0

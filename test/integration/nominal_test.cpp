@@ -92,58 +92,31 @@ class Stamps {
   ros::Subscriber subscriber_;
 };
 
-/** [Hz] The rate that the daemon announces: the configured one, or less, with a warning, while drawing takes too long.
- */
-class AnnouncedRate {
- public:
-  int newest() const { return rate_; }
-
- private:
-  void take(const diagnostic_msgs::DiagnosticArray::ConstPtr& message) {
-    for (const diagnostic_msgs::DiagnosticStatus& status : message->status) {
-      if (status.name != "raven2_trainer: live picture") continue;
-      rate_ = std::atoi(status.message.c_str());
-      EXPECT_TRUE(rate_ == kConfiguredRate || status.level == diagnostic_msgs::DiagnosticStatus::WARN)
-          << status.message;
-    }
-  }
-
-  static constexpr int kConfiguredRate = 30;
-  int rate_{0};
-  ros::NodeHandle node_;
-  ros::Subscriber subscriber_{node_.subscribe("/diagnostics", 10, &AnnouncedRate::take, this)};
-};
-
-/** Watches five seconds of pictures. @return whether they came at the announced rate and 95 of 100 were at most 40 ms
- * old. */
+/** Watches five seconds of pictures. @return whether they came at their rate and 95 of 100 were at most 40 ms old. */
 bool arePicturesOnTime() {
-  AnnouncedRate announced;
   Stamps<sensor_msgs::CameraInfo> infos("camera/camera_info");
   Stamps<sensor_msgs::Image> images("camera/image_raw");
   if (!waitFor([&] { return !images.all().empty() && !infos.all().empty(); }, kStartDeadline)) return false;
-  if (!waitFor([&] { return announced.newest() > 0; }, kStartDeadline)) return false;
-  const int rate = announced.newest();
   const ros::Time end = images.all().front() + ros::Duration(5.0);
   if (!waitFor([&] { return images.all().back() >= end && infos.all().back() >= images.all().back(); }, 20.0))
     return false;
-  std::printf("  %.1f of %d Hz, age when it came: median %.0f ms, 95 of 100 at most %.0f ms, all %.0f ms\n",
-              images.rate(), rate, 1e3 * images.age(0.5), 1e3 * images.age(0.95), 1e3 * images.age(1.0));
+  std::printf("  %.1f Hz, age when it came: median %.0f ms, 95 of 100 at most %.0f ms, all %.0f ms\n", images.rate(),
+              1e3 * images.age(0.5), 1e3 * images.age(0.95), 1e3 * images.age(1.0));
   const std::set<ros::Time> told(infos.all().begin(), infos.all().end());
   std::set<ros::Time> shown;
   for (const ros::Time& stamp : images.all()) {
     EXPECT_EQ(told.count(stamp), stamp >= infos.all().front() ? 1U : 0U) << stamp;
     EXPECT_TRUE(shown.insert(stamp).second) << "an old picture";
   }
-  const double share = images.rate() / rate;
-  return announced.newest() == rate && share >= 25.0 / 30.0 && share <= 31.0 / 30.0 && images.age(0.95) < 0.040;
+  return images.rate() >= 25.0 && images.rate() <= 31.0 && images.age(0.95) < 0.040;
 }
 
-/** A busy computer may delay the pictures of five seconds. The daemon passes if one of ten such periods is on time. */
+/** A busy computer may delay the pictures of five seconds. The daemon passes if one of four such periods is on time. */
 TEST(NominalSession, PicturesComeAtTheirRateAreNewAndHaveTheirCamerasStamps) {
   bool are_on_time = false;
-  for (int i = 0; i < 10 && !are_on_time; ++i)
+  for (int i = 0; i < 4 && !are_on_time; ++i)
     are_on_time = arePicturesOnTime();
-  EXPECT_TRUE(are_on_time) << "25 to 31 of 30 Hz, or as much of what is announced, 95 of 100 at most 40 ms old";
+  EXPECT_TRUE(are_on_time) << "25 to 31 Hz, 95 of 100 at most 40 ms old";
 }
 
 TEST(NominalSession, BothEyesHaveOneStampAndOneSize) {

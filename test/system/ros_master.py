@@ -65,13 +65,6 @@ class RosMaster:
         assert code == 1, words
         return value
 
-    def seconds_for(self, calls):
-        """How long the master takes now for so many of the shortest calls: the measure of a busy or slow machine."""
-        begin = time.monotonic()
-        for _ in range(calls):
-            self.ask("getPid")
-        return time.monotonic() - begin
-
     def known_of(self, node):
         """The master's entries of a node: {"published": {...}, "subscribed": {...}, "services": {...}}."""
         lists = self.ask("getSystemState")

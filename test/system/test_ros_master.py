@@ -14,7 +14,7 @@ from stack import Stack, effort, wait_until
 from surgeon import LatestState, Surgeon
 
 PEDAL_UP, PEDAL_DOWN = 2, 3
-WITHIN = 1.0  # [s] from the master's first answer to the last topic, where the master takes 0.4 s for as many other calls
+WITHIN = 1.0  # [s] from the master's first answer to the last topic
 NODES = ("/raven2_simulator", "/virtual_raven", "/raven_state_bridge")
 ARMS = ("/arm1/", "/arm2/")
 CRTK_STATES = {"measured_js", "setpoint_js", "jaw/measured_js", "jaw/setpoint_js", "measured_cp", "setpoint_cp", "goal_cp",
@@ -168,12 +168,8 @@ def test_a_master_may_come_late_and_go_and_come_back(tmp_path):
         latched.append(seconds_of_latecomer(master, session.stack.meta()))
         print("  what is latched, for late subscribers:", " ".join(f"{t:.2f} s" for t in latched))
         assert max(latched) < WITHIN, latched
-        entries = sum(len(names) for seen in known(master).values() for names in seen.values())
-        calls = master.seconds_for(entries)
         print(f"  topics after the master came: {came:.2f} s; after it came back:", " ".join(f"{t:.2f}" for t in returns))
-        print(f"  {entries} topics and services; as many calls of the test take {calls:.2f} s")
-        within = max(WITHIN, calls * WITHIN / 0.4)
-        assert came < within and max(returns) < within, (came, returns, calls)
+        assert came < WITHIN and max(returns) < WITHIN, (came, returns)
         bridged = LatestState(session.beside.state_port)
         wait_until(lambda: bridged.state, 5, "the bridge has states")
         session.surgeon.pedal = False

@@ -119,7 +119,7 @@ def test_a_page_moves_the_robot_smoothly(station):
             assert (await trainee.ask("drive"))["ok"]
             await page.until(lambda: page.mode() == "pedal_up", 20, "the robot is ready")
             await asyncio.sleep(0.5)
-            for _ in range(8):  # again if a busy machine held this page up: then the motion is not smooth, either
+            for _ in range(4):  # again if a busy machine silenced the page so long that the pedal came up, or its messages were late
                 await engage(page, trainee)
                 begun, longest = len(page.messages), 0.0
                 for sign in (1, -1, 1, -1):
@@ -127,29 +127,24 @@ def test_a_page_moves_the_robot_smoothly(station):
                 await drive(trainee, 20)
                 if longest < 0.025 and all(m["pedal"] for m in page.messages[begun:] if m["t"] == "mode"):
                     break
+            else:
+                raise AssertionError("the pedal came up, or messages were sent late, in each of four sweeps")
             directory = os.path.join(station.sessions, page.newest["station"]["session"])
             await stop(page)
         return directory
     commands = raven2_session.SessionLog(os.path.join(run(scenario()), "session.rlog")).commands["command"]
     steps = np.linalg.norm(commands["dp_I"][:, 0], axis=1)
-    sweeps = [steps[press] for press in presses(commands["pedal"]) if steps[press].any()]
-    assert 1e3 * max(sweep.max() for sweep in sweeps) <= 0.5, "mm"
-    shares = [(1e3 * sweep.sum(), share_moving(sweep)) for sweep in sweeps]
-    whole = [share for length, share in shares if length == pytest.approx(4 * 30 * 0.1 * 12.0, rel=0.05)]
-    assert whole, f"a tenth of the hand's motion, in mm and share: {shares}"
-    assert max(whole) > 0.8, f"motion is spread over the milliseconds between messages: {shares}"
-
-
-def presses(pedal):
-    """The spans in which the pedal is down."""
-    edges = np.diff(np.concatenate([[0], (pedal != 0).astype(int), [0]]))
-    return [slice(*span) for span in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0))]
-
-
-def share_moving(steps):
-    """Of the milliseconds from the first to the last that moves."""
+    steps = steps[last_press(commands["pedal"])]
     moving = np.flatnonzero(steps > 0)
-    return len(moving) / (moving[-1] - moving[0])
+    assert 1e3 * steps.max() <= 0.5, "mm"
+    assert 1e3 * steps.sum() == pytest.approx(4 * 30 * 0.1 * 12.0, rel=0.05), "a tenth of the hand's motion"
+    assert len(moving) > 0.8 * (moving[-1] - moving[0]), "motion is spread over the milliseconds between messages"
+
+
+def last_press(pedal):
+    """The span of the last press of the pedal."""
+    edges = np.diff(np.concatenate([[0], (pedal != 0).astype(int), [0]]))
+    return slice(np.flatnonzero(edges > 0)[-1], np.flatnonzero(edges < 0)[-1])
 
 
 async def engage(page, trainee):

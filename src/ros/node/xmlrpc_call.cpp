@@ -11,7 +11,7 @@ namespace {
 using Value = XmlRpc::XmlRpcValue;
 
 constexpr int kSuccess = 1;            // of the three codes of the ROS APIs
-constexpr std::size_t kTogether = 50;  // calls in a message: a slow master needs some 20 ms for each of them
+constexpr std::size_t kTogether = 50;  // calls in a message: of kPatience, 60 ms are left for each
 
 class TimedClient : public XmlRpc::XmlRpcClient {
  public:

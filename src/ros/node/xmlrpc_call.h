@@ -24,15 +24,16 @@ std::optional<XmlRpc::XmlRpcValue> call(const std::string& host,
                                         const std::vector<XmlRpc::XmlRpcValue>& arguments,
                                         double patience = kPatience);  // [s]
 
+/** A call of callAll(). */
 struct Request {
   std::string method;
   std::vector<XmlRpc::XmlRpcValue> arguments;
 };
 
 /**
- * Many calls in few messages (system.multicall; every XML-RPC server of Python has it, so rosmaster, too): one
- * connection and one answer for some 50 calls. `patience` is for each message. @return the payloads in order; nothing
- * if a call had no answer or the peer said no.
+ * Many calls in few messages, by system.multicall, which rosmaster offers (rosgraph/xmlrpc.py): one connection and one
+ * answer for 50 calls. `patience` is for each message. @return the payloads in order; nothing if a call had no answer
+ * or the peer said no.
  */
 std::optional<std::vector<XmlRpc::XmlRpcValue>> callAll(const std::string& host,
                                                         std::uint32_t port,
