@@ -12,6 +12,8 @@ TURN_SPEED = 10.0  # [rad/s]
 HALF = 2.0        # [m] from the middle: beyond it the device goes back while the pedal is up
 BACK_SPEED = 1.0  # [m/s]
 LONGEST = 0.1     # [s] that one message may count for, and by which motion may come later; what is more is lost
+PATIENCE = 0.3    # [s] for the trainer to follow a press
+FOLLOWING = {"teleoperating", "simulating", "trial"}  # modes of the trainer in which a held pedal moves something
 DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
 
 
@@ -88,6 +90,9 @@ class Hands:
         self.arms = {"gold": Hand(), "green": Hand()}
         self.pedal = self.camera = False
         self._heard, self._dither = None, DITHER
+        self._pressed = 0.0        # when the pedal went down last
+        self._must_press = False   # a key that is still held does not count
+        self.mode = ""             # the trainer's, from its messages
 
     def apply(self, message, now):
         """@throw ValueError for a message that is not as it should be; then nothing has changed."""
@@ -105,6 +110,10 @@ class Hands:
             jaw = given.get("jaw")
             moves[arm] = (_numbers(given.get("move", [0, 0, 0]), 3), _numbers(given.get("turn", [0, 0, 0]), 3),
                           None if jaw is None else _numbers([jaw], 1)[0])
+        self._must_press = self._must_press and pedal
+        pedal = pedal and not self._must_press
+        if pedal and not self.pedal:
+            self._pressed = now
         dt = min(LONGEST, now - self._heard) if self._heard is not None else 1.0 / 60.0
         dt = max(dt, 1e-3)
         for arm, (motion, rotation, jaw) in moves.items():
@@ -126,16 +135,22 @@ class Hands:
                 for arm, hand in self.arms.items()}
 
     def watch(self, now):
-        """Call often. @return whether the pedal came up because the page was silent."""
+        """Call often. @return whether the pedal came up because the page was silent.
+
+        A key that is still held when the page goes on counts as pressed again. But not if the trainer did not follow the key
+        before: whatever else lifted the pedal needs a new press.
+        """
         if self._heard is None or now - self._heard <= SILENT:
             return False
         was_down = self.pedal or self.camera
+        must_press = self._must_press or self.pedal and self.mode not in FOLLOWING and self._heard - self._pressed > PATIENCE
         self.release()
+        self._must_press = must_press
         return was_down
 
     def release(self):
         """The page is gone, hidden or was replaced."""
-        self.pedal = self.camera = False
+        self.pedal = self.camera = self._must_press = False
         self._heard = None
         for hand in self.arms.values():
             hand.stop()

@@ -22,7 +22,7 @@ from tf2_msgs.msg import TFMessage
 from raven2_trainer.msg import ExerciseEventStamped, ExerciseProgress, PlanningProgress, SessionConfiguration, TrainerMode
 from raven2_trainer.srv import BeginReplay, CancelPlan, ExecutePlan, PlanPath, StartHazard, StartSession, StartSessionResponse
 
-from . import frames, wire
+from . import frames, priority, wire
 
 STRIP_PERIOD = 0.04    # [s] of tip error and force: 25 Hz
 HANDS_PERIOD = 0.016   # [s] of the virtual hand device
@@ -319,6 +319,7 @@ def main():
     connection = socket.socket(fileno=os.dup(0))
     if not master_answers():
         sys.exit(3)  # no ROS master: the server tries again
+    priority.come_first(children_too=True)  # if it is refused, the server has said so
     Side(connection).run()
     os._exit(0)
 

@@ -24,7 +24,7 @@ ADVICE = {
     "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
     "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
     "recorder": "Free disk space: the session cannot be written.", "queues": "Close other programs on this computer.",
-    "live picture": "Close other programs: the picture is slower or smaller than configured.",
+    "live picture": "Close other programs on this computer.",
     "real camera": "Check the camera and its driver."}
 
 

@@ -98,6 +98,29 @@ def test_a_silent_page_lifts_the_pedal_within_100_ms():
     assert not device.watch(5.0), "the pedal is up already"
 
 
+@pytest.mark.parametrize("mode, held, counts", [
+    ("teleoperating", 1.0, True), ("simulating", 1.0, True), ("trial", 1.0, True),  # only the page had stalled
+    ("pedal_up", 1.0, False), ("stopped", 1.0, False),                             # something else had lifted the pedal
+    ("pedal_up", 0.2, True)])                                                      # the trainer had no time to follow
+def test_a_key_held_over_a_stall_counts_again_if_the_trainer_had_followed_it(mode, held, counts):
+    device, now = hands.Hands(), 1.0
+    device.mode = mode
+    for _ in range(2):  # stalls
+        begun = now
+        while now < begun + held:
+            device.apply(motion(), now)
+            now += 0.016
+        assert device.pedal == (counts or begun == 1.0)
+        now += 0.1
+        device.watch(now)
+        assert not device.pedal
+    device.apply(motion((0.001, 0, 0)), now)
+    assert device.pedal == counts and (device.arms["gold"].position[0] > 0.0) == counts
+    device.apply(motion(pedal=False), now + 0.016)
+    device.apply(motion(), now + 0.032)
+    assert device.pedal, "a new press counts"
+
+
 @pytest.mark.parametrize("message", [
     None, [], "x", {}, {"pedal": 1}, {"pedal": True, "camera": "no"}, {"pedal": True, "arms": []}, {"pedal": True, "arms": {"blue": {}}},
     {"pedal": True, "arms": {"gold": {"move": [0, 0]}}}, {"pedal": True, "arms": {"gold": {"move": [0, 0, float("nan")]}}},

@@ -1,6 +1,7 @@
 """The station over its WebSocket, with real programs and ROS master: sessions, hands, refusals, killed programs."""
 
 import asyncio
+import contextlib
 import json
 import os
 import random
@@ -11,6 +12,7 @@ import time
 
 import aiohttp
 import numpy as np
+import psutil
 import pytest
 import yaml
 from stack import BUILD, ROOT, effort, free_ports, wait_until
@@ -18,7 +20,7 @@ from station_rig import Page, Station
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
-from raven2_station import access  # noqa: E402
+from raven2_station import access, priority  # noqa: E402
 
 DEMONSTRATION = {"exercise": "pick_hand_over_place", "driver": "expert", "trainee": "ann", "seed": 1}
 
@@ -27,6 +29,26 @@ DEMONSTRATION = {"exercise": "pick_hand_over_place", "driver": "expert", "traine
 def station():
     with Station() as started:
         yield started
+
+
+@pytest.fixture(autouse=True)
+def no_session_is_left(request):
+    """A test that fails may leave its session running, and the next ones would fail for that alone."""
+    yield
+    if "station" not in request.fixturenames:
+        return
+    station = request.getfixturevalue("station")
+    if station.process.poll() is not None:
+        station.start()
+    if station.programs():
+        asyncio.run(end_session(station))
+
+
+async def end_session(station):
+    async with Page(station.url) as page:
+        await page.until(lambda: page.phase() is not None, 5, "the station says its phase")
+        if page.phase() == "running":
+            await stop(page)
 
 
 def run(scenario):
@@ -50,6 +72,7 @@ def test_a_session_from_start_to_verdict(station):
         async with Page(station.url) as page, Page(station.url, "trainee") as trainee:
             await start(page, **DEMONSTRATION, hazard="sudden_jump", when="instructor")
             assert set(station.programs()) == {"virtual_raven", "master_console", "simulator"}
+            assert {os.sched_getscheduler(pid) for pid in station.programs().values()} == {os.SCHED_OTHER}, "they choose for themselves"
             await page.until(lambda: page.mode() == "teleoperating", 20, "the expert moves")
             await page.until(lambda: page.newest.get("exercise", {}).get("status") == "running", 30, "the exercise runs")
             assert page.newest["exercise"]["title"].startswith("The ring")
@@ -80,6 +103,17 @@ def test_a_session_from_start_to_verdict(station):
             assert (await page.ask("delete", session=last, sure=True))["ok"]
             assert not os.path.exists(os.path.join(station.sessions, last))
     run(scenario())
+
+
+def test_the_station_runs_before_ordinary_programs_and_after_the_real_time_loops(station):
+    if "DEGRADED_RT: " in station.log():
+        pytest.skip(station.log().strip())
+    server = psutil.Process(station.process.pid)
+
+    def priorities():
+        ours = [server, *(p for p in server.children() if "raven2_station.ros_side" in p.cmdline())]
+        return [(os.sched_getscheduler(p.pid) & ~os.SCHED_RESET_ON_FORK, os.sched_getparam(p.pid).sched_priority) for p in ours]
+    wait_until(lambda: priorities() == 2 * [(os.SCHED_FIFO, priority.PRIORITY)], 10, "server and ROS side have their priority")
 
 
 def test_hands_of_a_page_move_the_robot_and_let_go_with_it(station):
@@ -119,16 +153,19 @@ def test_a_page_moves_the_robot_smoothly(station):
             assert (await trainee.ask("drive"))["ok"]
             await page.until(lambda: page.mode() == "pedal_up", 20, "the robot is ready")
             await asyncio.sleep(0.5)
-            for _ in range(4):  # again if a busy machine silenced the page so long that the pedal came up, or its messages were late
+            tries = []  # again if a busy machine silenced the page so long that the pedal came up, or its messages were late
+            for _ in range(4):
                 await engage(page, trainee)
                 begun, longest = len(page.messages), 0.0
-                for sign in (1, -1, 1, -1):
-                    longest = max(longest, await drive(trainee, 30, move=[sign * 0.012, 0, 0]))
+                with urgent():
+                    for sign in (1, -1, 1, -1):
+                        longest = max(longest, await drive(trainee, 30, move=[sign * 0.012, 0, 0]))
                 await drive(trainee, 20)
-                if longest < 0.025 and all(m["pedal"] for m in page.messages[begun:] if m["t"] == "mode"):
+                tries.append((longest, all(m["pedal"] for m in page.messages[begun:] if m["t"] == "mode")))
+                if tries[-1][0] < 0.025 and tries[-1][1]:
                     break
             else:
-                raise AssertionError("the pedal came up, or messages were sent late, in each of four sweeps")
+                raise AssertionError(f"in each sweep: longest gap between messages [s], whether the pedal stayed down: {tries}")
             directory = os.path.join(station.sessions, page.newest["station"]["session"])
             await stop(page)
         return directory
@@ -156,14 +193,25 @@ async def engage(page, trainee):
         await drive(trainee, 30)
 
 
+@contextlib.contextmanager
+def urgent():
+    """Where it is permitted, this process comes before station and programs: a trainee's page has a computer of its own."""
+    with contextlib.suppress(PermissionError):
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(2))
+    try:
+        yield
+    finally:
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+
+
 async def drive(page, count, pedal=True, move=(0, 0, 0)):
-    """@return the longest time [s] between two messages."""
+    """60 messages a second. @return the longest time [s] between two of them."""
     sent = []
     for _ in range(count):
         sent.append(time.monotonic())
         await page.socket.send_str(json.dumps({"do": "hands", "with": {
             "pedal": pedal, "arms": {"gold": {"move": list(move), "turn": [0, 0, 0], "jaw": 0.6}}}}))
-        await asyncio.sleep(0.016)
+        await asyncio.sleep(max(0.0, sent[0] + len(sent) / 60 - time.monotonic()))
     return float(np.diff(sent).max())
 
 

@@ -1,5 +1,6 @@
 """The station's pages in a real Chromium, with real mouse and key events (doc/station.md: data-test names)."""
 
+import asyncio
 import os
 import shutil
 import signal
@@ -13,10 +14,11 @@ import time
 import numpy as np
 import pytest
 from stack import BUILD, ROOT, wait_until
-from station_rig import Station
+from station_rig import Page, Station
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
+from raven2_station import words  # noqa: E402
 
 webdriver = pytest.importorskip("selenium.webdriver", reason="python3-selenium is not installed")
 from selenium.webdriver.chrome.service import Service  # noqa: E402
@@ -162,6 +164,7 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     browser.click("start")
     browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
     driver = browser.driver
+    driver.get("about:blank")  # the instructor's page is drawn on another computer
     driver.switch_to.new_window("window")
     browser.open("/trainee")
     browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
@@ -192,9 +195,15 @@ def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser)
     assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
     press_pedal(browser)
     driver.switch_to.new_window("tab")  # hides the page
+    asyncio.run(mode_of(station, "pedal_up", 2, "a hidden page holds no pedal"))
     driver.switch_to.window(driver.window_handles[0])
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+    browser.open()
     end(browser)
+
+
+async def mode_of(station, mode, seconds, what):
+    async with Page(station.url) as page:
+        await page.until(lambda: page.mode() == mode, seconds, what)
 
 
 # Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
@@ -344,9 +353,17 @@ def test_a_mouse_lifts_the_ring(station, browser):
     end(browser)
 
 
+LAYOUT = """
+const said = (id, text) => { document.getElementById(id).textContent = text; };
+said("mode", arguments[0]);
+said("health", arguments[1]);
+return [...document.querySelectorAll("button, input, select")].map((e) => [e.id, e.getBoundingClientRect().x, e.getBoundingClientRect().y]);
+"""
+
+
 @pytest.mark.parametrize("width", [1280, 820, 420])
 @pytest.mark.parametrize("path", ["/", "/trainee"])
-def test_pages_fit_their_window(browser, path, width):
+def test_pages_fit_their_window_and_no_button_moves_under_the_pointer(browser, path, width):
     browser.open(path)
     browser.driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": False})
     time.sleep(0.3)
@@ -354,6 +371,10 @@ def test_pages_fit_their_window(browser, path, width):
     for element in browser.driver.find_elements(By.CSS_SELECTOR, "button, input, select"):
         label = element.accessible_name
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
+    healths = ["Everything works.", *(words.health([(name, 1, "10 Hz, 640 x 360: less than configured, drawing takes too long")])[1]
+                                      for name in words.ADVICE)]
+    layouts = [browser.driver.execute_script(LAYOUT, mode, healths[i % len(healths)]) for i, mode in enumerate(words.MODES.values())]
+    assert len(layouts[0]) > 5 and all(layout == layouts[0] for layout in layouts), "mode or health has moved a button"
 
 
 AXE = "axe-core@4.10.2"  # from the npm registry; not shipped
