@@ -12,8 +12,7 @@ TURN_SPEED = 10.0  # [rad/s]
 HALF = 2.0        # [m] from the middle: beyond it the device goes back while the pedal is up
 BACK_SPEED = 1.0  # [m/s]
 LONGEST = 0.1     # [s] that one message may count for, and by which motion may come later; what is more is lost
-PATIENCE = 0.3    # [s] for the trainer to follow a press
-FOLLOWING = {"teleoperating", "simulating", "trial"}  # modes of the trainer in which a held pedal moves something
+FOLLOWING = {"teleoperating", "simulating", "trial"}  # modes in which the hands move something with a held pedal
 DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
 
 
@@ -90,9 +89,8 @@ class Hands:
         self.arms = {"gold": Hand(), "green": Hand()}
         self.pedal = self.camera = False
         self._heard, self._dither = None, DITHER
-        self._pressed = 0.0        # when the pedal went down last
         self._must_press = False   # a key that is still held does not count
-        self.mode = ""             # the trainer's, from its messages
+        self._followed = self._lost = False  # since the press the trainer moved with it; and no longer does
 
     def apply(self, message, now):
         """@throw ValueError for a message that is not as it should be; then nothing has changed."""
@@ -112,8 +110,8 @@ class Hands:
                           None if jaw is None else _numbers([jaw], 1)[0])
         self._must_press = self._must_press and pedal
         pedal = pedal and not self._must_press
-        if pedal and not self.pedal:
-            self._pressed = now
+        if not pedal or not self.pedal:
+            self._followed = self._lost = False
         dt = min(LONGEST, now - self._heard) if self._heard is not None else 1.0 / 60.0
         dt = max(dt, 1e-3)
         for arm, (motion, rotation, jaw) in moves.items():
@@ -134,16 +132,23 @@ class Hands:
         return {arm: {"p": [hand.position[0] + self._dither, *hand.position[1:]], "q": hand.orientation, "jaw": hand.jaw}
                 for arm, hand in self.arms.items()}
 
+    def see(self, mode):
+        """A new mode of the trainer."""
+        if self.pedal and mode in FOLLOWING:
+            self._followed = True
+        elif self.pedal and self._followed:
+            self._lost = True
+
     def watch(self, now):
         """Call often. @return whether the pedal came up because the page was silent.
 
-        A key that is still held when the page goes on counts as pressed again. But not if the trainer did not follow the key
-        before: whatever else lifted the pedal needs a new press.
+        A key that is still held when the page goes on counts as pressed again. But not if the trainer had followed the key and
+        stopped before: whatever else lifted the pedal needs a new press.
         """
         if self._heard is None or now - self._heard <= SILENT:
             return False
         was_down = self.pedal or self.camera
-        must_press = self._must_press or self.pedal and self.mode not in FOLLOWING and self._heard - self._pressed > PATIENCE
+        must_press = self._must_press or self._lost
         self.release()
         self._must_press = must_press
         return was_down

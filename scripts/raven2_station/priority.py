@@ -1,8 +1,8 @@
-"""Motion that arrives late is not smooth: both processes of the station run before ordinary programs, and after the 1 kHz loops."""
+"""Motion that arrives late is not smooth: both processes of the station run before ordinary programs, and after real-time threads."""
 
 import os
 
-PRIORITY = 1  # of SCHED_FIFO; the trainer's threads have 76 to 80 (config/runtime.yaml)
+PRIORITY = 1  # of SCHED_FIFO; the trainer's real-time threads have 70 to 80 (config/runtime.yaml)
 
 
 def come_first(children_too):

@@ -107,7 +107,7 @@ class Station:
             return
         if kind == "mode":
             message["text"] = words.mode(message["mode"])
-            self.hands.mode = message["mode"]
+            self.hands.see(message["mode"])
         elif kind == "exercise":
             message["text"] = words.exercise(message["status"], message["failure"])
             message["mistakes"] = [[words.mistake(name), count] for name, count in message["mistakes"].items() if count]

@@ -195,7 +195,7 @@ async def engage(page, trainee):
 
 @contextlib.contextmanager
 def urgent():
-    """Where it is permitted, this process comes before station and programs: a trainee's page has a computer of its own."""
+    """Where it is permitted, this process comes before station and programs: a trainee's page has another computer."""
     with contextlib.suppress(PermissionError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(2))
     try:

@@ -355,9 +355,11 @@ def test_a_mouse_lifts_the_ring(station, browser):
 
 LAYOUT = """
 const said = (id, text) => { document.getElementById(id).textContent = text; };
-said("mode", arguments[0]);
-said("health", arguments[1]);
-return [...document.querySelectorAll("button, input, select")].map((e) => [e.id, e.getBoundingClientRect().x, e.getBoundingClientRect().y]);
+return arguments[0].map((mode, i) => {
+  said("mode", mode);
+  said("health", arguments[1][i % arguments[1].length]);
+  return [...document.querySelectorAll("button, input, select")].map((e) => [e.id, e.getBoundingClientRect().x, e.getBoundingClientRect().y]);
+});
 """
 
 
@@ -373,7 +375,7 @@ def test_pages_fit_their_window_and_no_button_moves_under_the_pointer(browser, p
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
     healths = ["Everything works.", *(words.health([(name, 1, "10 Hz, 640 x 360: less than configured, drawing takes too long")])[1]
                                       for name in words.ADVICE)]
-    layouts = [browser.driver.execute_script(LAYOUT, mode, healths[i % len(healths)]) for i, mode in enumerate(words.MODES.values())]
+    layouts = browser.driver.execute_script(LAYOUT, list(words.MODES.values()), healths)
     assert len(layouts[0]) > 5 and all(layout == layouts[0] for layout in layouts), "mode or health has moved a button"
 
 
