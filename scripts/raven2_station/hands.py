@@ -90,7 +90,8 @@ class Hands:
         self.pedal = self.camera = False
         self._heard, self._dither = None, DITHER
         self._must_press = False   # a key that is still held does not count
-        self._followed = self._lost = False  # since the press the trainer moved with it; and no longer does
+        self._followed = False     # since the press, the hands have moved something
+        self._lost = False         # and no longer do
 
     def apply(self, message, now):
         """@throw ValueError for a message that is not as it should be; then nothing has changed."""
@@ -134,16 +135,16 @@ class Hands:
 
     def see(self, mode):
         """A new mode of the trainer."""
-        if self.pedal and mode in FOLLOWING:
-            self._followed = True
-        elif self.pedal and self._followed:
-            self._lost = True
+        if not self.pedal:
+            return
+        self._lost = self._followed and mode not in FOLLOWING
+        self._followed = self._followed or mode in FOLLOWING
 
     def watch(self, now):
         """Call often. @return whether the pedal came up because the page was silent.
 
-        A key that is still held when the page goes on counts as pressed again. But not if the trainer had followed the key and
-        stopped before: whatever else lifted the pedal needs a new press.
+        A key that is still held when the page goes on counts as pressed again. If the trainer had already ended the motion, for
+        another reason, that takes a new press.
         """
         if self._heard is None or now - self._heard <= SILENT:
             return False

@@ -101,6 +101,7 @@ def test_a_silent_page_lifts_the_pedal_within_100_ms():
 @pytest.mark.parametrize("modes, counts", [
     ([], True), (["teleoperating"], True), (["simulating"], True), (["trial"], True), (["executing"], True),  # only the page had stalled
     (["pedal_up"], True), (["pedal_up", "teleoperating"], True),           # of the time before the press
+    (["teleoperating", "camera_moving", "teleoperating"], True),           # the same press moves the robot again
     (["teleoperating", "pedal_up"], False), (["trial", "stopped"], False)])  # something else had lifted the pedal
 def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_the_pedal(modes, counts):
     device, now = hands.Hands(), 1.0
