@@ -14,11 +14,11 @@ constexpr double kNearlyAll = 0.9;
 
 std::vector<LiveLevel> levelsOf(const RenderConfig& config) {
   std::vector<LiveLevel> levels{{config.live_fps, 1.0}};
-  for (const int rate : kRates) {
-    if (rate < levels.back().fps && rate >= config.live_slowest) levels.push_back({rate, 1.0});
-  }
   for (const double scale : kScales) {
-    if (scale >= config.live_smallest) levels.push_back({levels.back().fps, scale});
+    if (scale >= config.live_smallest) levels.push_back({config.live_fps, scale});
+  }
+  for (const int rate : kRates) {
+    if (rate < levels.back().fps && rate >= config.live_slowest) levels.push_back({rate, levels.back().scale});
   }
   return levels;
 }

@@ -53,7 +53,7 @@ class RenderLoop {
              Clock clock = net::monotonicNow);
   /**
    * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
-   * both eyes, while SharedState::stereo_watched. Where that takes too long, the next ones are fewer or smaller
+   * both eyes, while SharedState::stereo_watched. Where that takes too long, the next ones are smaller or fewer
    * (LivePace); that is said on stderr, and in SharedState::live_picture. While nobody looks
    * (SharedState::picture_watched) most calls only follow the states, so that what is seen does not depend on who
    * looked before: one in kUnwatchedPeriod draws.

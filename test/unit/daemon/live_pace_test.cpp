@@ -42,12 +42,12 @@ std::vector<Change> run(LivePace* pace, const Load& load, double seconds) {
   return changes;
 }
 
-TEST(LivePace, FirstTheRateThenTheSize) {
+TEST(LivePace, FirstTheSizeThenTheRate) {
   const LivePace pace(configured());
   const std::vector<LiveLevel>& levels = pace.levels();
   ASSERT_EQ(levels.size(), 6U);
-  const std::vector<int> rates{30, 20, 15, 10, 10, 10};
-  const std::vector<double> scales{1.0, 1.0, 1.0, 1.0, 0.75, 0.5};
+  const std::vector<int> rates{30, 30, 30, 20, 15, 10};
+  const std::vector<double> scales{1.0, 0.75, 0.5, 0.5, 0.5, 0.5};
   for (std::size_t i = 0; i < levels.size(); ++i) {
     EXPECT_EQ(levels[i].fps, rates[i]) << i;
     EXPECT_DOUBLE_EQ(levels[i].scale, scales[i]) << i;
@@ -75,9 +75,10 @@ TEST(LivePace, FramesInTimeChangeNothing) {
 }
 
 TEST(LivePace, ItGoesDownAsFarAsFramesNeedAndNoFurther) {
-  // [s] a whole picture takes, and the level at which it fits: by the periods 33, 50, 67, 100 ms, and by the pixels.
-  const std::vector<std::pair<double, std::uint32_t>> cases{{0.032, 0}, {0.036, 1}, {0.052, 2}, {0.070, 3},
-                                                            {0.102, 4}, {0.170, 5}, {3.0, 5}};
+  // [s] a whole picture takes, and the level at which it fits: 0.606 of it at 3/4, 0.325 of it at 1/2, by the
+  // periods 33, 50, 67, 100 ms.
+  const std::vector<std::pair<double, std::uint32_t>> cases{{0.032, 0}, {0.036, 1}, {0.054, 1}, {0.060, 2}, {0.101, 2},
+                                                            {0.110, 3}, {0.160, 4}, {0.220, 5}, {3.0, 5}};
   for (const auto& [whole, level] : cases) {
     LivePace pace(configured());
     const std::vector<Change> changes = run(&pace, byPixels(whole), 120.0);
