@@ -59,6 +59,8 @@ void watch(const Options& options, const daemon::ConsoleRunner& console) {
 int run(const Options& options, int argc, char** argv) {
   if (!options.real.master.empty()) return apps::runMaster(options.common.load(), options.real, argc, argv);
   const TrainerConfig config = load(options);
+  if (console::isCommanded(options.motion.motion))
+    throw ConfigException("motion is \"" + options.motion.motion + "\": only simulate repeats the commands of a file");
   apps::TruthFile truth(options.motion.truth);
   daemon::ConsoleRunner console(config, console::makeMotion(config, options.motion.choice(), truth.log()));
   console.start(!console::doesExercise(options.motion.motion));

@@ -13,6 +13,7 @@
 #include "apps/common/resimulate_session.h"
 #include "apps/common/study_bar.h"
 #include "raven2_trainer/console/make_motion.h"
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/lockstep/lockstep.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/recording/build_identity.h"
@@ -54,12 +55,28 @@ apps::CommonOptions common(const Options& options) {
   return result;
 }
 
+/** As in the Python session that the commands are from. */
+void prepareForCommands(const Options& options, TrainerConfig* config) {
+  if (options.homing == "full" || !options.replay.empty())
+    throw ConfigException(options.motion.motion + " begins with the first tick: without --homing full and --replay");
+  config->virtual_raven.full_homing = false;
+  config->runtime.plan_at = -1.0;  // the model moves as commanded alone
+}
+
 constexpr double kUsualSeconds = 30.0;
 constexpr double kBeyondLimit = 60.0;  ///< [s] not counted by an exercise's timer: the time before the first touch, and pauses
 
-/** [s] Longest session. An expert or clumsy surgeon ends it sooner; beyond the time limit the attempt has failed. */
+lockstep::Lockstep::End endOf(const std::string& motion) {
+  using End = lockstep::Lockstep::End;
+  if (console::isCommanded(motion)) return End::kAtOnce;
+  return console::doesExercise(motion) ? End::kFinished : End::kTime;
+}
+
+/** [s] Longest session. Commands, an expert or a clumsy surgeon end it sooner; beyond the time limit the attempt has
+ * failed. */
 double secondsOf(const Options& options, const TrainerConfig& config) {
   if (options.seconds > 0.0) return options.seconds;
+  if (console::isCommanded(options.motion.motion)) return console::commandedSeconds(options.motion.motion);
   return console::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
 }
 
@@ -67,6 +84,7 @@ int simulate(const Options& options) {
   TrainerConfig config = common(options).load();
   if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
   if (options.motion_scale > 0.0) config.console.scale = options.motion_scale;
+  if (console::isCommanded(options.motion.motion)) prepareForCommands(options, &config);
   const Impairment impairment = apps::impairmentByName(options.impairment);
   const double seconds = secondsOf(options, config);
   apps::TruthFile truth(options.motion.truth);
@@ -75,16 +93,15 @@ int simulate(const Options& options) {
   physics::attachOdeToThread();
   const session::SessionPaths paths = session::createSessionDirectory(options.output);
   const auto start = std::chrono::steady_clock::now();
-  const std::string label = options.motion.motion + (options.impairment == "none" ? "" : " over " + impairment.name);
-  session::SessionMeta meta = recording::startMeta("simulate", apps::version(), label);
+  const std::string over = options.impairment == "none" ? "" : " over " + impairment.name;
+  const std::string label = console::motionLabel(options.motion.motion) + over;
+  session::SessionMeta meta = recording::startMeta("simulate", apps::version(), options.motion.motion + over);
   lockstep::Lockstep lockstep(config, std::move(surgeon), paths, label);
   if (options.impairment != "none") lockstep.impair(impairment);
   if (!options.replay.empty()) lockstep.showFirst(options.replay);
   apps::ProgressBar bar("simulate");
-  const auto end = console::doesExercise(options.motion.motion) ? lockstep::Lockstep::End::kFinished
-                                                                : lockstep::Lockstep::End::kTime;
   const bool complete = lockstep.run(
-      seconds, [&](double share) { bar.update(share); }, end);
+      seconds, [&](double share) { bar.update(share); }, endOf(options.motion.motion));
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   meta.wall_duration = wall.count();
   meta.realtime = "lockstep";
@@ -125,7 +142,8 @@ int main(int argc, char** argv) {
   CLI::App app{"Runs a training session in one process, faster than real time, with the same result each time."};
   options.common.add(&app, /*with_ports=*/false);
   app.add_option("--seconds", options.seconds,
-                 "Session time from the first pedal-down [s] (default: 30; with expert and clumsy until they have finished)")
+                 "Session time from the first pedal-down [s] (default: 30; with commands, expert and clumsy until they "
+                 "have finished)")
       ->check(CLI::Range(0.001, 86400.0));
   options.motion.add(&app);
   app.add_option("--motion-scale", options.motion_scale,

@@ -132,7 +132,7 @@ wire::ItpPacket Console::tick() {
   if (may_move) {
     impl_->move(&packet);
   } else if (impl_->is_real) {
-    impl_->source->tick(impl_->senses);
+    impl_->intent.finished = impl_->source->tick(impl_->senses).finished;
   }
   impl_->force_age = std::min(impl_->force_age + 1, kForceLifetime);
   impl_->sight_age = std::min(impl_->sight_age + 1, kSightLifetime);

@@ -1,13 +1,16 @@
 #include "raven2_trainer/console/make_motion.h"
 
+#include "raven2_trainer/console/commands_file.h"
 #include "raven2_trainer/console/reactor.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::console {
 namespace {
 
 const std::string kRecording = "recording:";
+const std::string kCommands = "commands:";
 const std::string kExpert = "expert";
 const std::string kClumsy = "clumsy:";
 
@@ -55,10 +58,15 @@ std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::
   if (startsWith(motion, kRecording)) {
     return makeRecorded(config.console, config.arms, loadRecording(motion.substr(kRecording.size())));
   }
+  if (startsWith(motion, kCommands)) {
+    const double opening = kinematics::jawOpening(config.arms.geometry.home);
+    return makeCommanded(config.console, {opening, opening}, loadCommands(motion.substr(kCommands.size())));
+  }
   if (doesExercise(motion)) return makeSurgeon(config, motion, truth);
-  throw ConfigException("motion is \"" + motion +
-                        "\", expected scripted, recording:FILE, expert or clumsy:NAME (clumsy surgeons of exercise " +
-                        config.exercise_name + ": " + clumsySurgeonOf(config.exercise) + ")");
+  throw ConfigException(
+      "motion is \"" + motion +
+      "\", expected scripted, recording:FILE, commands:FILE, expert or clumsy:NAME (clumsy surgeons of exercise " +
+      config.exercise_name + ": " + clumsySurgeonOf(config.exercise) + ")");
 }
 
 }  // namespace
@@ -66,6 +74,7 @@ std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::
 std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const MotionChoice& choice, TruthLog* truth) {
   std::unique_ptr<MotionSource> hands = makeHands(config, choice.motion, truth);
   if (!choice.reaction) return hands;
+  if (isCommanded(choice.motion)) throw ConfigException("reaction: " + choice.motion + " heeds no force; leave it out");
   Reaction reaction;
   reaction.delay = *choice.reaction;
   return makeReacting(std::move(hands), reaction, truth);
@@ -73,6 +82,21 @@ std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const Moti
 
 std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const std::string& motion) {
   return makeMotion(config, MotionChoice{motion, {}});
+}
+
+std::string motionLabel(const std::string& motion) {
+  return startsWith(motion, kCommands) ? "commands" : motion;
+}
+
+bool isCommanded(const std::string& motion) noexcept {
+  return startsWith(motion, kCommands);
+}
+
+double commandedSeconds(const std::string& motion) {
+  double ticks = 0.0;
+  for (const CommandRow& row : loadCommands(motion.substr(kCommands.size())))
+    ticks += row.ticks;
+  return ticks * kTickSeconds;
 }
 
 bool doesExercise(const std::string& motion) noexcept {

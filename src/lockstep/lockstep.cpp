@@ -66,7 +66,8 @@ bool Lockstep::run(double seconds, const std::function<void(double)>& progress, 
     if (model.mode == Mode::kReplaying) ++shown;
     if (model.session_tick + 1 >= wanted) break;
     if (end == End::kFinished && impl_->stack.finished() && ++afterwards > kAfterwards) break;
-    if (model.session_tick < 0 && timeout > 0 && model.tick - shown >= timeout) {
+    if (end == End::kAtOnce && impl_->stack.finished()) break;
+    if (end != End::kAtOnce && model.session_tick < 0 && timeout > 0 && model.tick - shown >= timeout) {
       finish();
       return false;
     }

@@ -8,6 +8,7 @@
 #include <thread>
 
 #include "python/arrays.h"
+#include "python/constructed.h"
 #include "python/picture.h"
 #include "python/planner_module.h"
 #include "python/simulation.h"
@@ -120,7 +121,7 @@ py::array perArm(const PerArm<Array>& arms, const py::object& owner) {
 }
 
 /** The newest state of a simulation: numbers change with each step. */
-class State {
+class State : public Constructed {
  public:
   explicit State(py::object owner) : owner_(std::move(owner)), simulation_(py::cast<Simulation&>(owner_)) {}
 
@@ -183,7 +184,9 @@ py::dict exerciseOf(const State& state) {
 
 // ---- kinematics
 
-struct Kinematics {
+struct Kinematics : Constructed {
+  explicit Kinematics(const ArmGeometry& arms) : geometry(arms) {}
+
   ArmGeometry geometry;
 };
 
@@ -286,7 +289,7 @@ void addSimulation(py::module_* target) {
              for (const auto& [key, value] : settings)
                options.settings.push_back({key, value, "settings[\"" + key + "\"]"});
              const py::gil_scoped_release release;
-             return std::make_unique<Simulation>(options);
+             return made<Simulation>(options);
            }),
            py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
            py::arg("motion"), py::arg("output"), py::arg("plant"), py::arg("link"), py::arg("settings"))
@@ -345,7 +348,7 @@ void addSimulation(py::module_* target) {
                              })
       .def_property_readonly("closed", &Simulation::isClosed)
       .def_property_readonly("memory", &Simulation::stateSize)
-      .def_property_readonly("state", [](py::object self) { return State(std::move(self)); })
+      .def_property_readonly("state", [](py::object self) { return made<State>(std::move(self)); })
       .def_property_readonly("object_names", [](const Simulation& self) {
         std::vector<std::string> names;
         for (const int body : self.scene().free_bodies)
@@ -426,7 +429,7 @@ void addKinematics(py::module_* target) {
   py::class_<Kinematics>(module, "Kinematics")
       .def(py::init([](const std::string& config) {
              const std::string root = config.empty() ? config::shareFolder() + "/config/trainer.yaml" : config;
-             return Kinematics{config::loadTrainerConfig(root).arms.geometry};
+             return made<Kinematics>(config::loadTrainerConfig(root).arms.geometry);
            }),
            py::arg("config") = "")
       .def("forward", &forwardOf, py::arg("arm"), py::arg("joints"))

@@ -5,6 +5,7 @@
 #include <mutex>
 
 #include "python/arrays.h"
+#include "python/constructed.h"
 #include "python/simulation.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/planning/path_planner.h"
@@ -15,7 +16,7 @@ namespace raven2_trainer::python {
 namespace {
 
 /** One planner and its scene; calls wait for each other. */
-class Planner {
+class Planner : public Constructed {
  public:
   explicit Planner(const SimulationOptions& options)
       : config_(loadConfig(options)),
@@ -127,7 +128,7 @@ void addPlanner(py::module_* module) {
              options.exercise = exercise;
              options.config = config;
              const py::gil_scoped_release release;
-             return std::make_unique<Planner>(options);
+             return made<Planner>(options);
            }),
            py::arg("exercise"), py::arg("config"))
       .def("plan", &plan, py::arg("arm"), py::arg("start"), py::arg("goal"), py::arg("other") = py::none(),

@@ -4,11 +4,14 @@
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
+#include <optional>
 #include <stdexcept>
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/share_folder.h"
+#include "raven2_trainer/console/commands_file.h"
 #include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/teleop_mapper.h"
@@ -23,6 +26,7 @@ namespace raven2_trainer::python {
 namespace {
 
 std::atomic<std::uint64_t> simulations{0};
+const std::string kCommands = "commands";  ///< motion from step()
 
 }  // namespace
 
@@ -41,6 +45,8 @@ void demandRobotFor(const TrainerConfig& config, const std::string& hazard, bool
 }  // namespace
 
 TrainerConfig loadConfig(const SimulationOptions& options) {
+  if (console::isCommanded(options.motion))
+    throw std::invalid_argument("motion is \"" + options.motion + "\": only the program simulate repeats a file");
   const std::string root = options.config.empty() ? config::shareFolder() + "/config/trainer.yaml" : options.config;
   const bool has_exercise = options.exercise != "none";
   config::TrainingNames names;
@@ -53,7 +59,7 @@ TrainerConfig loadConfig(const SimulationOptions& options) {
   config::checkHazard(loaded);
   demandRobotFor(loaded, has_exercise ? loaded.drill : loaded.hazard, options.has_robot);
   loaded.virtual_raven.full_homing = false;
-  if (options.motion == "commands") loaded.runtime.plan_at = -1.0;  // the model moves as commanded alone
+  if (options.motion == kCommands) loaded.runtime.plan_at = -1.0;  // the model moves as commanded alone
   return loaded;
 }
 
@@ -87,14 +93,24 @@ class Simulation::Recording {
         stack_(*stack),
         paths_(session::createSessionDirectory(options.output)),
         meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, labelOf(options))),
-        recorder_(config, stack->bodyNames(), paths_, labelOf(options), stack->shared()) {}
+        recorder_(config, stack->bodyNames(), paths_, labelOf(options), stack->shared()) {
+    if (options.motion != kCommands) return;
+    commands_file_.open(paths_.directory + "/commands.csv");
+    if (!commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
+    commands_.emplace(&commands_file_);
+  }
 
+  void note(const console::HandsCommand& command) { commands_->add(command); }
   void drain() { recorder_.drain(); }
   void finish() {
     recorder_.finish(stack_.counts());
     meta_.realtime = "lockstep";
     session::writeMeta(paths_, meta_, config_);
     recording::finishSession(paths_);
+    if (!commands_) return;
+    commands_->flush();
+    commands_file_.close();
+    if (!commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
   }
 
  private:
@@ -103,6 +119,8 @@ class Simulation::Recording {
   const session::SessionPaths paths_;
   session::SessionMeta meta_;
   recording::Recorder recorder_;
+  std::ofstream commands_file_;
+  std::optional<console::CommandWriter> commands_;
 };
 
 Simulation::Simulation(const SimulationOptions& options)
@@ -139,7 +157,7 @@ void Simulation::build(const SimulationOptions& options) {
   const ArenaScope scope(&arena_);
   const double opening = kinematics::jawOpening(config_.arms.geometry.home);
   std::unique_ptr<console::MotionSource> hands;
-  if (options.motion == "commands") {
+  if (options.motion == kCommands) {
     auto commanded = std::make_unique<console::CommandedSource>(config_.console, PerArm<double>{opening, opening});
     source_ = commanded.get();
     hands = std::move(commanded);
@@ -190,6 +208,7 @@ void Simulation::tick() {
     stack_->tick();
     if (!recording_) stack_->discardRecords();
   }
+  if (recording_ && source_ != nullptr) recording_->note(source_->done());
   if (recording_) recording_->drain();
 }
 
@@ -269,7 +288,7 @@ Snapshot Simulation::save() {
   const std::lock_guard<std::mutex> lock(mutex_);
   demandOpen();
   if (recording_) throw std::runtime_error("a recorded simulation cannot go back: save() needs one without output");
-  return {number_, jaws_, arena_.copy()};
+  return {{}, number_, jaws_, arena_.copy()};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "python/arena.h"
+#include "python/constructed.h"
 #include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/commanded_source.h"
@@ -45,7 +46,7 @@ struct StepCommand {
 };
 
 /** A copy of all of a simulation's state. It fits that simulation alone. */
-struct Snapshot {
+struct Snapshot : Constructed {
   std::uint64_t owner{};
   PerArm<std::optional<double>> jaws{};
   std::vector<std::byte> memory;
@@ -56,7 +57,7 @@ struct Snapshot {
  * is in one arena. Calls may come from any thread; they wait for each other. After close() all of them throw
  * ClosedError.
  */
-class Simulation {
+class Simulation : public Constructed {
  public:
   /** @throw ConfigException, ModelException, SessionException. */
   explicit Simulation(const SimulationOptions& options);

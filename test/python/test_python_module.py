@@ -177,6 +177,42 @@ def test_a_recorded_simulation_has_the_bytes_of_simulate(tmp_path):
     assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
 
 
+def test_simulate_does_the_recorded_commands_with_the_same_bytes(tmp_path):
+    random = np.random.default_rng(4)
+    with raven2_trainer.Simulation(PICK, hazard="sudden_jump", seed=5, output=tmp_path / "python") as simulation:
+        simulation.start()
+        for i in range(40):
+            arms = {arm: {"move": random.uniform(-2e-3, 2e-3, 3), "turn": random.uniform(-0.1, 0.1, 3), "jaw": random.uniform(0.0, 1.0)}
+                    for arm in ("gold", "green")}
+            simulation.step({**arms, "pedal": i % 7 != 6}, ticks=int(random.integers(1, 80)))
+        joints = np.array(simulation.state.joints)
+        joints[:, 2] += 0.004
+        simulation.step({"gold": {"joints": joints[0]}, "green": {"joints": joints[1]}}, ticks=300)
+    subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--exercise", PICK, "--drill", "sudden_jump", "--seed", "5", "--homing", "quick",
+                    "--motion", f"commands:{tmp_path / 'python/commands.csv'}", "--output", tmp_path / "program"], check=True, capture_output=True)
+    assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
+
+
+def test_commands_that_end_before_the_robot_is_ready_are_done_alike(tmp_path):
+    with raven2_trainer.Simulation(seed=5, output=tmp_path / "python") as simulation:
+        simulation.step({"gold": {"move": [0, 0, 1e-3], "jaw": 0.6}}, ticks=100)
+    subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--seed", "5", "--hazard", "none", "--motion",
+                    f"commands:{tmp_path / 'python/commands.csv'}", "--output", tmp_path / "program"], check=True, capture_output=True)
+    assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
+
+
+@pytest.mark.parametrize("options, says", [
+    (["--homing", "full"], "without --homing full"), (["--replay", "x"], "without --homing full and --replay"),
+    (["--reaction", "400"], "heeds no force")])
+def test_simulate_refuses_what_would_change_the_commands(tmp_path, options, says):
+    file = ROOT / "test/fuzz/seeds/recording/commands"
+    ended = subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--motion", f"commands:{file}", *options, "--output", tmp_path / "x"],
+                           check=False, capture_output=True, text=True)
+    assert ended.returncode != 0 and says in ended.stderr and not (tmp_path / "x").exists()
+    with pytest.raises(ValueError, match="only the program simulate"):
+        raven2_trainer.Simulation(motion=f"commands:{file}")
+
+
 @pytest.mark.parametrize("command, says", [
     ({"gold": {"move": [0, 0]}}, "gold/move: expected 3 numbers"), ({"gold": {"move": [0, 0, np.nan]}}, "gold/move: not a finite number"),
     ({"gold": {"jump": 1}}, "gold/jump: unknown key"), ({"blue": {}}, "blue: unknown key"), ({"gold": 3}, "gold: expected a dict"),
@@ -367,6 +403,43 @@ def test_a_simulation_is_not_copied(ready):
         for copied in (copy.copy, copy.deepcopy, pickle.dumps):
             with pytest.raises(TypeError):
                 copied(thing)
+
+
+BLANK = """
+from raven2_trainer import _core
+
+def refuses(call, *arguments):
+    try:
+        call(*arguments)
+    except RuntimeError as error:
+        return "__init__ has not been called" in str(error)
+    except TypeError:
+        return False
+    raise SystemExit(f"{call} has worked without a value")
+
+blanks = [kind.__new__(kind) for kind in (_core.Simulation, _core.State, _core.Snapshot, _core.Kinematics, _core.Planner)]
+
+def is_method(kind, name):
+    return not isinstance(getattr(kind, name), property)
+
+
+for blank in blanks:
+    for name in dir(blank):
+        if name.startswith("_"):
+            continue
+        if is_method(type(blank), name):
+            method = getattr(blank, name)
+            assert any([refuses(method, *[None] * count) for count in range(12)]), (blank, name)
+        else:
+            assert refuses(getattr, blank, name), (blank, name)
+
+assert refuses(_core.step_all, blanks[:1], [None], 1, 1)
+"""
+
+
+def test_an_object_without_its_constructor_raises_and_does_not_crash():
+    subprocess.run(["/usr/bin/python3", "-c", BLANK], check=True, env={**os.environ, "PYTHONPATH": os.pathsep.join(
+        [str(BUILD / "devel/lib/python3/dist-packages"), "/usr/lib/python3/dist-packages"])})
 
 
 def test_the_messages_are_there_without_the_simulator():

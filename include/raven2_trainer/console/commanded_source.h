@@ -24,6 +24,8 @@ class CommandedSource : public MotionSource {
 
   /** [rad] Jaw opening of the newest command. */
   double grasp(Arm arm) const noexcept { return at(command_.grasp, arm); }
+  /** Command of the last tick. */
+  const HandsCommand& done() const noexcept { return done_; }
   /** Whether a command would move the tools: the robot is ready. */
   bool mayMove() const noexcept { return may_move_; }
 
@@ -32,7 +34,7 @@ class CommandedSource : public MotionSource {
 
  private:
   const double scale_;
-  HandsCommand command_;
+  HandsCommand command_, done_;
   Intent intent_;
   bool may_move_{false};
 };

@@ -34,6 +34,7 @@ class Lockstep {
   enum class End : std::uint8_t {
     kTime,      ///< at its time, whatever the hands do
     kFinished,  ///< or kAfterwards after the hands were finished
+    kAtOnce,    ///< or as soon as the hands are finished, however late they begin
   };
   static constexpr Tick kAfterwards = 1000;  ///< [1 ms] what was let go falls and comes to rest
 

@@ -27,9 +27,28 @@ std::string refusal(const TrainerConfig& config, const std::string& motion) {
 
 TEST(Motion, AnUnknownNameIsRefusedWithThoseThatThereAre) {
   const std::string words = refusal(configOf("pick_hand_over_place"), "exprt");
-  for (const char* part : {"exprt", "scripted", "recording:FILE", "expert", "clumsy:NAME", "dropper, slow, shaky"})
+  for (const char* part :
+       {"exprt", "scripted", "recording:FILE", "commands:FILE", "expert", "clumsy:NAME", "dropper, slow, shaky"})
     EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
   EXPECT_NE(refusal(configOf("none"), "").find("none"), std::string::npos);
+}
+
+TEST(Motion, OnlyCommandsOfAFileAreCommanded) {
+  EXPECT_TRUE(isCommanded("commands:a.csv"));
+  for (const char* motion : {"commands", "recording:a.csv", "expert", ""}) {
+    EXPECT_FALSE(isCommanded(motion)) << motion;
+    EXPECT_EQ(motionLabel(motion), motion);
+  }
+  EXPECT_EQ(motionLabel("commands:a.csv"), "commands");
+  EXPECT_NE(refusal(configOf("none"), "commands").find("commands:FILE"), std::string::npos);
+}
+
+TEST(Motion, CommandsLastAsLongAsTheirFileAndHeedNoForce) {
+  const std::string file = RAVEN2_TRAINER_SOURCE_DIR "/test/fuzz/seeds/recording/commands";
+  EXPECT_DOUBLE_EQ(commandedSeconds("commands:" + file), 0.253);
+  EXPECT_NE(makeMotion(configOf("none"), "commands:" + file), nullptr);
+  EXPECT_THROW(makeMotion(configOf("none"), MotionChoice{"commands:" + file, 0.4}), ConfigException);
+  EXPECT_NE(refusal(configOf("none"), "commands:/none.csv").find("/none.csv:1: "), std::string::npos);
 }
 
 TEST(Motion, AnExpertNeedsAnExerciseThatHasOne) {
