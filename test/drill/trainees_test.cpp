@@ -3,7 +3,6 @@
 
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -18,6 +17,7 @@
 #include "raven2_trainer/session/session_log.h"
 #include "raven2_trainer/training/session_metrics.h"
 #include "raven2_trainer/training/session_score.h"
+#include "support/effort.h"
 
 // Two simulated trainees meet the same drill. One releases the pedal 400 ms after the force began, the other goes on.
 // The score is compared with the first trainee's own record.
@@ -30,11 +30,6 @@ namespace fs = std::filesystem;
 constexpr double kSeconds = 9.0;       // longest delay of these drills, plus 3 s for the response, plus a margin
 constexpr double kAgreement = 5.0;     // [ms] between the measured reaction time and the truth
 constexpr double kReactionTime = 0.4;  // [s]
-
-bool isFull() {
-  const char* full = std::getenv("RAVEN2_TRAINER_FULL");
-  return full != nullptr && std::string(full) == "1";
-}
 
 /** A recorded session of one trainee, with the trainee's own record. */
 class Session {

@@ -1,20 +1,14 @@
 #pragma once
 
 #include <cstdio>
-#include <cstdlib>
 #include <string>
 
 #include "expert/attempt.h"
+#include "support/effort.h"
 
 // Prints the result of an attempt.
 
 namespace raven2_trainer::testing {
-
-/** RAVEN2_TRAINER_FULL=1: all seeds and clumsy surgeons. */
-inline bool isFull() {
-  const char* full = std::getenv("RAVEN2_TRAINER_FULL");
-  return full != nullptr && std::string(full) == "1";
-}
 
 inline const char* nameOf(ExerciseStatus status) {
   return kExerciseStatusNames[static_cast<std::size_t>(status)];
