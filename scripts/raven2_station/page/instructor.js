@@ -196,6 +196,12 @@ press("plan", "plan");
 press("execute", "execute", () => ({ on_robot: false }));
 press("cancel-plan", "cancel-plan");
 
+// A button that was clicked with the mouse would take the next press of the space bar for itself.
+document.addEventListener("click", (event) => {
+  const pressed = event.target.closest("button, a, summary");
+  if (event.detail > 0 && pressed) pressed.blur();
+});
+
 document.addEventListener("keydown", (event) => {
   const typing = ["INPUT", "SELECT", "TEXTAREA", "BUTTON", "A", "SUMMARY"].includes(document.activeElement.tagName);
   if (event.code !== "Space" || typing || event.repeat) return;
