@@ -27,7 +27,7 @@ RULES = {
                 "raven", "console", "physics", "training", "planning", "render", "threads", "loop"], r"yaml-cpp/"),
     "model": (["core", "kinematics"], PURE + r"|urdf_|urdf_model/|urdf_parser/|assimp/|tinyxml|console_bridge/"),
     "net": (["core", "wire"], r"sys/|arpa/|netinet/|netdb\.h|fcntl\.h|unistd\.h|poll\.h|sodium\.h"),
-    "session": (["core"], r"zlib\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
+    "session": (["core"], r"zlib\.h|zstd\.h|nlohmann/|sys/|fcntl\.h|unistd\.h"),
     "raven": (["core", "kinematics", "control", "faults", "detector", "wire"], PURE),
     "preload": (["core", "config", "faults", "wire", "raven"],
                 r"nlohmann/|sys/|netinet/|dlfcn\.h|fcntl\.h|poll\.h|pthread\.h|time\.h|unistd\.h"),

@@ -11,7 +11,10 @@ that list, so this module knows no field by name. Format: doc/session.md.
     session.metrics["model_robot_error_mm"]["mean"]
 """
 
+import ctypes
+import ctypes.util
 import fcntl
+import functools
 import json
 import mmap
 import os
@@ -25,8 +28,16 @@ FRAME = struct.Struct("<4sHHIQ")  # magic, type, version, payload length, record
 CRC = struct.Struct("<I")
 MAX_PAYLOAD = 16 * 1024  # bytes, of any record but the first
 MAX_HEADER = 1024 * 1024  # bytes, of the first
+MAX_CHUNK = 4 * 1024 * 1024  # bytes, of a chunk
+MAX_CONTENTS = 8 * 1024 * 1024  # bytes, of a chunk's contents
+CHUNK = (14, 1)  # type and version of a record that holds others, compressed
+CHUNK_SPAN = struct.Struct("<qq")  # first and last physics tick of its records; then the compressed contents
+CHUNK_HEAD = struct.Struct("<II")  # records, groups
+CHUNK_GROUP = struct.Struct("<HHII")  # type, version, records, numbers in a record
+FORMS = (0x88, 8, 4, 2, 1)  # of a number: its bytes, and bit 7 for floating-point
+MAX_ORDER = 4  # of differences
 FORMAT_NAME = "raven2_trainer session log"
-FORMAT_VERSION = 1
+FORMAT_VERSIONS = (1, 2)  # 1 has no chunks
 NO_TRAINING = {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"}
 
 
@@ -151,9 +162,13 @@ class SessionLog:
     `truncated_bytes` the size of a last record that was cut short. `lost` is the sum of the gap records.
     If the writer was killed and nobody recovered the log yet, the records that its flight recorder holds are appended
     here and `from_flight_recorder` says how many; the files stay as they are.
+
+    ticks: (first, last) physics tick [ms], `model.tick`, to read only a part of a long session: chunks outside are passed
+    over. `clean`, `recovered` and `counts` are those of the whole.
     """
 
-    def __init__(self, path):
+    def __init__(self, path, ticks=None):
+        self._span = ticks
         self.bad_bytes = 0
         self.truncated_bytes = 0
         self.from_flight_recorder = 0
@@ -197,32 +212,55 @@ class SessionLog:
         end = min(len(data), flight.log_size) if flight else len(data)
         found = self._scan(data, position, end, {n: (kinds[n]["version"], types[n].itemsize) for n in kinds})
         self._arrays = {}
-        for number, offsets in found.items():
+        for number, pieces in found.items():
             size = types[number].itemsize
-            self._arrays[kinds[number]["name"]] = np.frombuffer(_gathered(data, offsets, size), dtype=types[number])
+            self._arrays[kinds[number]["name"]] = np.frombuffer(_gathered(data, pieces, size), dtype=types[number])
         if flight and not len(self._arrays["counts"]):
             self.lost += flight.lost()
             for name, array in flight.records(types):
                 self.from_flight_recorder += len(array)
                 self._arrays[name] = np.concatenate([self._arrays[name], array])
+        self._arrays = {name: self._within_span(name, array) for name, array in self._arrays.items()}
+
+    def _groups(self, payload):
+        if self._span and len(payload) >= CHUNK_SPAN.size:
+            first, last = CHUNK_SPAN.unpack_from(payload)
+            if last < self._span[0] or first > self._span[1]:
+                return []
+        return [(kind, version, rows.shape[1], [rows]) for kind, version, rows in _groups(payload)]
+
+    def _within_span(self, name, array):
+        """The records of the ticks that were asked for. All but two kinds begin with their tick."""
+        if not self._span or name in ("counts", "recovery") or not len(array):
+            return array
+        ticks = np.ndarray(array.shape, "<i8", array, strides=array.strides)
+        return array[(ticks >= self._span[0]) & (ticks <= self._span[1])]
 
     def _scan(self, data, position, end, known):
-        """Offsets of the intact payloads of each known type."""
+        """The intact payloads of each known type: offset of one, or array of a chunk's."""
         found = {number: [] for number in known}
         skipped_from = None  # start of a stretch without an intact record
         cut = False
         while position < end:
             state, kind, version, size = _look(data, position, end)
+            groups = [(kind, version, size, [position + FRAME.size])]
+            if state == "intact" and (kind, version) == CHUNK:
+                try:
+                    groups = self._groups(data[position + FRAME.size : position + FRAME.size + size])
+                except ValueError:
+                    state = "bad"
             if state == "intact":
                 if skipped_from is not None:
                     self.bad_bytes += position - skipped_from
                     skipped_from = None
-                if kind in known and known[kind][0] == version:
-                    if size == known[kind][1]:
-                        found[kind].append(position + FRAME.size)
-                    else:
-                        self.bad_bytes += FRAME.size + size + CRC.size
-                position += FRAME.size + size + CRC.size
+                whole = FRAME.size + size + CRC.size
+                usable = [group for group in groups if group[0] in known and known[group[0]][0] == group[1]]
+                for number, _, length, pieces in usable:
+                    if length == known[number][1]:
+                        found[number] += pieces
+                if any(length != known[number][1] for number, _, length, _ in usable):
+                    self.bad_bytes += whole
+                position += whole
                 continue
             if skipped_from is None:
                 skipped_from, cut = position, state == "cut"
@@ -237,12 +275,124 @@ class SessionLog:
         return found
 
 
-def _gathered(data, offsets, size):
-    """Payloads one behind the other, read-only; never more than one of them twice in memory."""
-    payloads = bytearray(len(offsets) * size)
-    for i, offset in enumerate(offsets):
-        payloads[i * size : (i + 1) * size] = data[offset : offset + size]
+def _gathered(data, pieces, size):
+    """Payloads one behind the other, read-only. Takes the pieces."""
+    payloads = bytearray(sum(1 if isinstance(piece, int) else len(piece) for piece in pieces) * size)
+    end = len(payloads)
+    while pieces:
+        piece = pieces.pop()
+        rows = data[piece : piece + size] if isinstance(piece, int) else piece.data.cast("B")
+        payloads[end - len(rows) : end] = rows
+        end -= len(rows)
     return memoryview(payloads).toreadonly()
+
+
+@functools.lru_cache(maxsize=1)
+def _zstd():
+    """The library, which Debian's own package manager needs, too."""
+    try:
+        library = ctypes.CDLL("libzstd.so.1")
+    except OSError:
+        library = ctypes.CDLL(ctypes.util.find_library("zstd"))
+    library.ZSTD_getFrameContentSize.restype = ctypes.c_ulonglong
+    library.ZSTD_getFrameContentSize.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
+    library.ZSTD_decompress.restype = ctypes.c_size_t
+    library.ZSTD_decompress.argtypes = [ctypes.c_void_p, ctypes.c_size_t, ctypes.c_char_p, ctypes.c_size_t]
+    return library
+
+
+def _contents(payload):
+    size = _zstd().ZSTD_getFrameContentSize(payload, len(payload))
+    if size > MAX_CONTENTS:  # also its two values for errors
+        raise ValueError("no compressed frame")
+    contents = np.empty(size, np.uint8)
+    if _zstd().ZSTD_decompress(contents.ctypes.data, size, payload, len(payload)) != size:
+        raise ValueError("damaged")
+    return contents
+
+
+def _groups(payload):
+    """[(type, version, array of bytes: record, byte)] for each kind of record in a chunk. @throw ValueError."""
+    contents = _contents(payload[CHUNK_SPAN.size :])
+    try:
+        records, count = CHUNK_HEAD.unpack_from(contents)
+        heads = [CHUNK_GROUP.unpack_from(contents, CHUNK_HEAD.size + i * CHUNK_GROUP.size) for i in range(count)]
+    except struct.error as error:
+        raise ValueError(str(error)) from None
+    position = CHUNK_HEAD.size + count * CHUNK_GROUP.size
+    order = contents[position : position + records]  # each record's group; arrays of one kind do not need it
+    position += len(order)
+    if len(order) != records or np.bincount(order, minlength=count).tolist() != [head[2] for head in heads]:
+        raise ValueError("not the records that it names")
+    groups = []
+    for kind, version, rows, columns in heads:
+        forms, orders = contents[position : position + 2 * columns].reshape(2, columns)
+        position += 2 * columns
+        size = rows * int((forms & 0x0F).sum())
+        if (kind in (0, CHUNK[0]) or not set(forms.tobytes()) <= set(FORMS) or orders.max(initial=0) > MAX_ORDER
+                or position + size > len(contents)):
+            raise ValueError("no group of records")
+        groups.append((kind, version, _rows(forms, orders, rows, contents[position : position + size])))
+        position += size
+    if position != len(contents):
+        raise ValueError("too long")
+    return groups
+
+
+@functools.lru_cache(maxsize=64)
+def _layout(forms):
+    """Offsets of the numbers in their record, and stretches (form, columns, first, end) of numbers of the same form side by side."""
+    forms = np.frombuffer(forms, np.uint8)
+    offsets = np.concatenate([[0], np.cumsum(forms & 0x0F, dtype=np.int64)])
+    blocks = []
+    for form in FORMS:
+        columns = np.flatnonzero(forms == form)
+        if len(columns):
+            begins = np.flatnonzero(np.diff(columns, prepend=-2) != 1)
+            ends = np.append(begins[1:], len(columns))
+            blocks.append((form, columns, [(begin, end, offsets[columns[begin]]) for begin, end in zip(begins, ends)]))
+    return int(offsets[-1]), blocks
+
+
+def _rows(forms, orders, count, planes):
+    """The records of a group, array (record, byte). Each number was kept as a difference to the records before."""
+    length, blocks = _layout(forms.tobytes())
+    rows = np.empty((count, length), np.uint8)
+    begin = 0
+    for form, columns, stretches in blocks:
+        width = form & 0x0F
+        end = begin + width * len(columns) * count
+        by_order = np.argsort(-orders[columns].astype(int), kind="stable")  # the columns' order in the data
+        numbers = _numbers(planes[begin:end].reshape(width, len(columns), count), orders[columns][by_order], form >= 0x80)
+        sorted_back = np.empty((count, len(columns)), numbers.dtype)
+        sorted_back[:, by_order] = numbers.T
+        values = sorted_back.view(np.uint8)
+        for first, last, offset in stretches:
+            rows[:, offset : offset + (last - first) * width] = values[:, first * width : last * width]
+        begin = end
+    return rows
+
+
+def _numbers(planes, orders, is_float):
+    """Array (column, record) of the unsigned numbers whose bytes these are, lowest first; highest orders come first."""
+    width, columns, count = planes.shape
+    split = np.empty((columns, count, width), np.uint8)
+    for k in range(width):
+        split[:, :, k] = planes[k]
+    numbers = split.view(f"<u{width}")[:, :, 0]
+    one = numbers.dtype.type(1)
+    changes = numbers[: np.count_nonzero(orders)]
+    odd = changes & one
+    np.right_shift(changes, one, out=changes)
+    np.negative(odd, out=odd)
+    np.bitwise_xor(changes, odd, out=changes)
+    for order in range(1, int(orders.max(initial=0)) + 1):
+        part = numbers[: np.count_nonzero(orders >= order)]
+        np.cumsum(part, axis=1, dtype=part.dtype, out=part)
+    if is_float:
+        negative = numbers >> np.uint64(63)
+        numbers ^= (np.uint64(0) - negative) >> one
+    return numbers
 
 
 def _look(data, position, end, limit=MAX_PAYLOAD):
@@ -250,7 +400,7 @@ def _look(data, position, end, limit=MAX_PAYLOAD):
     if end - position < FRAME.size:
         return "cut", 0, 0, 0
     magic, kind, version, size, _ = FRAME.unpack_from(data, position)
-    if magic != MAGIC or size > limit:
+    if magic != MAGIC or size > max(limit, MAX_CHUNK if kind == CHUNK[0] else 0):
         return "bad", 0, 0, 0
     body = position + FRAME.size + size
     if body + CRC.size > end:
@@ -267,9 +417,9 @@ def _read_header(path, data):
         header = json.loads(data[FRAME.size : FRAME.size + size])
     except ValueError as error:
         raise SessionError(f"{path}: first record: {error}") from None
-    if header.get("format") != FORMAT_NAME or header.get("format_version") != FORMAT_VERSION:
+    if header.get("format") != FORMAT_NAME or header.get("format_version") not in FORMAT_VERSIONS:
         version = header.get("format_version")
-        raise SessionError(f"{path}: format version {version}, this program reads {FORMAT_VERSION}")
+        raise SessionError(f"{path}: format version {version}, this program reads {' and '.join(map(str, FORMAT_VERSIONS))}")
     return header, FRAME.size + size + CRC.size
 
 
@@ -294,14 +444,14 @@ def _load_json(path):
 
 
 class Session:
-    """A session directory: `log`, and `metrics`, `faults`, `meta` as dicts (empty where the file is missing)."""
+    """A session directory: `log`, and `metrics`, `faults`, `meta` as dicts (empty where the file is missing). `ticks` as SessionLog."""
 
-    def __init__(self, directory):
+    def __init__(self, directory, ticks=None):
         self.directory = directory
         path = os.path.join(directory, "session.rlog")
         if not os.path.isfile(path):
             raise SessionError(f"{directory}: is no session directory (no session.rlog in it)")
-        self.log = SessionLog(path)
+        self.log = SessionLog(path, ticks)
         self.metrics = _load_json(os.path.join(directory, "metrics.json"))
         self.faults = _load_json(os.path.join(directory, "faults.json"))
         self.meta = _load_json(os.path.join(directory, "meta.json"))

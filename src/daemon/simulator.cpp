@@ -263,7 +263,8 @@ struct Simulator::Impl {
 
   /** The log first: on a full disk it has reserved room, and gives some back. */
   void writeFiles() {
-    recorder.drain(net::monotonicNow() + kLastTryNs);  // a last try, due or not; the counts include it
+    recorder.drain(net::monotonicNow() + kLastTryNs,
+                   /*at_once=*/true);  // a last try, due or not; the counts include it
     try {
       recorder.finish(counts());
       meta.flight_recorder = "removed";

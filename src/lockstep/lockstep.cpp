@@ -23,7 +23,7 @@ struct Lockstep::Impl {
 
   void tick() {
     stack.tick();
-    recorder.drain();
+    recorder.follow();
   }
 
   const TrainerConfig config;
@@ -80,7 +80,10 @@ bool Lockstep::run(double seconds, const std::function<void(double)>& progress, 
 }
 
 void Lockstep::finish() {
-  if (!impl_->finished) impl_->recorder.finish(impl_->stack.counts());
+  if (!impl_->finished) {
+    impl_->recorder.drain();  // the counts include it
+    impl_->recorder.finish(impl_->stack.counts());
+  }
   impl_->finished = true;
 }
 

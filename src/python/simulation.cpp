@@ -101,8 +101,9 @@ class Simulation::Recording {
   }
 
   void note(const console::HandsCommand& command) { commands_->add(command); }
-  void drain() { recorder_.drain(); }
+  void follow() { recorder_.follow(); }
   void finish() {
+    recorder_.drain();  // the counts include it
     recorder_.finish(stack_.counts());
     meta_.realtime = "lockstep";
     session::writeMeta(paths_, meta_, config_);
@@ -209,7 +210,7 @@ void Simulation::tick() {
     if (!recording_) stack_->discardRecords();
   }
   if (recording_ && source_ != nullptr) recording_->note(source_->done());
-  if (recording_) recording_->drain();
+  if (recording_) recording_->follow();
 }
 
 void Simulation::step(const StepCommand& command, int ticks) {

@@ -114,7 +114,7 @@ struct Resimulation::Impl {
     forces.add(record);
     if (!recorder) return;
     shared->haptic_records.tryPush(record);
-    recorder->drain();  // at its place among the ticks
+    recorder->follow();  // at its place among the ticks
   }
 
   void tick(const TickRecord& recorded) {
@@ -208,9 +208,9 @@ struct Resimulation::Impl {
     exercises.take(now, [&](const ExerciseRecord& r) { recorded.push_back(r); });
     const auto& ring = shared->exercise_records;
     std::string field;
-    for (std::uint64_t i = ring.head(); i < ring.tail() && field.empty(); ++i) {
-      if (recorded.empty()) return "exercise." + nameOf(ring.at(i)) + " was not recorded";
-      field = session::difference(ring.at(i), recorded.front());
+    for (; events < ring.tail() && field.empty(); ++events) {
+      if (recorded.empty()) return "exercise." + nameOf(ring.at(events)) + " was not recorded";
+      field = session::difference(ring.at(events), recorded.front());
       recorded.pop_front();
     }
     if (!field.empty()) return "exercise." + field;
@@ -222,7 +222,7 @@ struct Resimulation::Impl {
     discard(&shared->relay_packets);
     discard(&shared->force_packets);
     discard(&shared->replay_frames);  // whatever ended it came before
-    if (recorder) return recorder->drain();
+    if (recorder) return recorder->follow();
     discard(&shared->tick_records);
     discard(&shared->command_records);
     discard(&shared->request_records);
@@ -262,6 +262,7 @@ struct Resimulation::Impl {
   ResimulationResult result;
   bool was_shown{false};
   std::uint64_t reported{0};
+  std::uint64_t events{0};  ///< of the exercise, compared so far; the recorder may keep them in their ring
   std::uint64_t reports{shared->last_execution.version()};
 };
 

@@ -125,8 +125,9 @@ std::string headerToJson(const LogHeader& header) {
 LogHeader headerFromJson(const std::string& text) {
   const Json json = Json::parse(text);
   if (json.at("format") != kFormatName) throw std::runtime_error("not a session log");
-  if (json.at("format_version") != kFormatVersion) {
-    throw std::runtime_error("format version " + json.at("format_version").dump() + ", this program reads " +
+  const Json& version = json.at("format_version");
+  if (version != 1 && version != kFormatVersion) {
+    throw std::runtime_error("format version " + version.dump() + ", this program reads 1 and " +
                              std::to_string(kFormatVersion));
   }
   checkLayouts(json.at("records"));

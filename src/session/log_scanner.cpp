@@ -12,6 +12,16 @@ namespace {
 
 constexpr std::size_t kWindow = 256 * 1024;  // [bytes] many records, so that moves are rare; grows for a long header
 
+/** A chunk of a later version is passed over as one record. */
+bool isChunk(const FrameHeader& header) {
+  return header.type == RecordType::kChunk && header.version == kChunkVersion;
+}
+
+std::size_t limitOf(const FrameHeader& header, bool is_first) {
+  if (is_first) return kMaxHeaderPayload;
+  return header.type == RecordType::kChunk ? kMaxChunkPayload : kMaxPayload;
+}
+
 }  // namespace
 
 LogScanner::LogScanner(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "rb")), window_(kWindow) {
@@ -41,13 +51,14 @@ bool LogScanner::fill(std::size_t wanted) {
 LogScanner::Look LogScanner::look(FrameHeader* header) {
   if (!fill(kFrameHeaderSize)) return Look::kCutShort;
   *header = decodeFrameHeader(window_.data() + position_);
-  const std::size_t limit = position() == 0 ? kMaxHeaderPayload : kMaxPayload;
-  if (header->magic != kMagic || header->length > limit) return Look::kBad;
+  if (header->magic != kMagic || header->length > limitOf(*header, position() == 0)) return Look::kBad;
   const std::size_t body = kFrameHeaderSize + header->length;
   if (!fill(body + kCrcSize)) return Look::kCutShort;
   std::uint32_t crc = 0;
   std::memcpy(&crc, window_.data() + position_ + body, kCrcSize);
-  return crc == crc32Of(window_.data() + position_, body) ? Look::kIntact : Look::kBad;
+  if (crc != crc32Of(window_.data() + position_, body)) return Look::kBad;
+  const bool is_readable = !isChunk(*header) || chunk_.open(*header, window_.data() + position_ + kFrameHeaderSize);
+  return is_readable ? Look::kIntact : Look::kBad;
 }
 
 void LogScanner::skip(std::size_t bytes) {
@@ -72,6 +83,14 @@ void LogScanner::skipToMagic() {
 }
 
 bool LogScanner::next(FrameHeader* header, const std::uint8_t** payload) {
+  while (!chunk_.next(header, payload)) {
+    if (!nextFrame(header, payload)) return false;
+    if (!isChunk(*header)) return true;
+  }
+  return true;
+}
+
+bool LogScanner::nextFrame(FrameHeader* header, const std::uint8_t** payload) {
   cut_short_ = false;
   pending_ = 0;
   while (fill(1)) {
@@ -79,8 +98,9 @@ bool LogScanner::next(FrameHeader* header, const std::uint8_t** payload) {
     if (found == Look::kIntact) {
       bad_bytes_ += pending_;
       *payload = window_.data() + position_ + kFrameHeaderSize;
-      last_size_ = kFrameHeaderSize + header->length + kCrcSize;
-      position_ += last_size_;
+      frame_size_ = kFrameHeaderSize + header->length + kCrcSize;
+      is_rejected_ = false;
+      position_ += frame_size_;
       return true;
     }
     // A record that ends beyond the file is a cut, not damage, unless an intact one follows it.
@@ -92,7 +112,8 @@ bool LogScanner::next(FrameHeader* header, const std::uint8_t** payload) {
 }
 
 void LogScanner::reject() {
-  bad_bytes_ += last_size_;
+  if (!is_rejected_) bad_bytes_ += frame_size_;
+  is_rejected_ = true;  // counted, whatever else is wrong in the same chunk
 }
 
 }  // namespace raven2_trainer::session

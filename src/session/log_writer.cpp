@@ -12,6 +12,7 @@
 #include "header_json.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
+#include "record_chunk.h"
 #include "record_codec.h"
 #include "record_frame.h"
 
@@ -19,8 +20,9 @@ namespace raven2_trainer::session {
 
 namespace {
 
-/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 8 MiB. */
+/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 10 MiB. */
 constexpr std::size_t kMaxBatch = 16U << 20U;
+constexpr std::size_t kWorthAChunk = 32U << 10U;  // [bytes] a smaller batch, 10 ms, is written as it is
 constexpr int kLockTries = 20;
 constexpr unsigned kLockWait = 5000;  // [us]
 
@@ -32,7 +34,9 @@ struct LogWriter::Impl {
   int lock{-1};
   std::uint64_t next_number{0};       ///< of the next record, the batch included
   std::uint64_t committed_number{0};  ///< of the first record that is not in the file
-  std::vector<std::uint8_t> batch, frame;
+  std::vector<std::uint8_t> batch, frame, chunks;
+  std::size_t plain{0};  ///< [bytes] at the end of the batch that no chunk takes: the log's first or last record
+  ChunkPacker packer;
   bool finished{false};
 
   explicit Impl(const std::string& file_path) : path(file_path), frame(kFrameHeaderSize + kMaxPayload + kCrcSize) {}
@@ -78,38 +82,67 @@ struct LogWriter::Impl {
     }
     std::vector<std::uint8_t> bytes(kFrameHeaderSize + json.size() + kCrcSize);
     std::memcpy(bytes.data() + kFrameHeaderSize, json.data(), json.size());
-    seal(RecordType::kHeader, json.size(), bytes.data());
+    plain = seal(RecordType::kHeader, json.size(), bytes.data());
   }
 
+  /** @return [bytes] of its frame. */
   template <typename T>
-  void write(const T& record) {
+  std::size_t write(const T& record) {
     ByteWriter out(frame.data() + kFrameHeaderSize, kMaxPayload);
     FieldWriter fields(out);
     visitFields(fields, record);
-    seal(RecordTypeOf<T>::kType, out.size(), frame.data());
+    return seal(RecordTypeOf<T>::kType, out.size(), frame.data());
   }
 
-  /** Puts header and CRC around the payload already in place and adds it to the batch. */
-  void seal(RecordType type, std::size_t payload, std::uint8_t* bytes) {
+  /** Puts header and CRC around the payload already in place and adds it to the batch. @return [bytes] of the frame. */
+  std::size_t seal(RecordType type, std::size_t payload, std::uint8_t* bytes) {
     if (finished) fail("the log is finished, no record can follow");
+    if (batch.size() > kMaxBatch && !commit()) fail("cannot be written", file.error());
     encodeFrameHeader({kMagic, type, kRecordVersion, static_cast<std::uint32_t>(payload), next_number++}, bytes);
     const std::size_t size = kFrameHeaderSize + payload;
     const std::uint32_t crc = crc32Of(bytes, size);
     std::memcpy(bytes + size, &crc, kCrcSize);
     batch.insert(batch.end(), bytes, bytes + size + kCrcSize);
-    if (batch.size() > kMaxBatch && !commit()) fail("cannot be written", file.error());
+    return size + kCrcSize;
   }
 
   bool commit(bool use_reserve = false) noexcept {
     if (batch.empty()) return true;
-    const bool written = file.append(batch.data(), batch.size(), use_reserve);
+    const std::vector<std::uint8_t>& bytes = packed() ? chunks : batch;
+    const bool written = file.append(bytes.data(), bytes.size(), use_reserve);
     batch.clear();
+    plain = 0;
     (written ? committed_number : next_number) = written ? next_number : committed_number;
     return written;
   }
 
-  /** Writes the batch, which ends with the log's last record. */
-  void end() {
+  /** Makes `chunks` of the batch. @return false if that is not worth it, or memory lacks. */
+  bool packed() noexcept try {
+    const std::size_t size = batch.size() - plain;
+    if (size < kWorthAChunk) return false;
+    chunks.clear();
+    packer.pack(batch.data(), size, &chunks);
+    chunks.insert(chunks.end(), batch.end() - static_cast<std::ptrdiff_t>(plain), batch.end());
+    return true;
+  } catch (const std::bad_alloc&) {
+    return false;
+  }
+
+  /** Makes a chunk of the largest size, for the memory that this takes. */
+  void warmUp() {
+    if (!batch.empty()) return;
+    const std::uint64_t number = next_number;
+    while (batch.size() < kMaxChunkRecords)
+      write(TickRecord{});
+    packed();
+    batch.clear();
+    next_number = number;
+  }
+
+  /** Writes the batch and `record`, the log's last. */
+  template <typename T>
+  void end(const T& record) {
+    plain = write(record);
     if (!commit(/*use_reserve=*/true)) fail("cannot be written", file.error());
     finished = true;
     file.sync();
@@ -149,6 +182,8 @@ void LogWriter::reserve(std::size_t bytes) {
   const std::vector<std::uint8_t> held = impl_->batch;
   impl_->batch.resize(std::max(bytes, held.size()));  // writes every byte
   impl_->batch = held;                                // keeps the room
+  impl_->chunks.resize(bytes);
+  impl_->warmUp();
 }
 
 bool LogWriter::commit() noexcept {
@@ -168,13 +203,11 @@ int LogWriter::error() const noexcept {
 }
 
 void LogWriter::finish(const SessionCounts& counts) {
-  impl_->write(counts);
-  impl_->end();
+  impl_->end(counts);
 }
 
 void LogWriter::finishRecovery(const RecoveryRecord& recovery) {
-  impl_->write(recovery);
-  impl_->end();
+  impl_->end(recovery);
 }
 
 }  // namespace raven2_trainer::session

@@ -61,6 +61,8 @@ Outcome dispatch(const FrameHeader& header, const std::uint8_t* payload, const L
       return deliver(header, payload, visitor.recovery);
     case RecordType::kHeader:
       return Outcome::kUnusable;  // only the first record is one
+    case RecordType::kChunk:
+      return Outcome::kRead;  // of a later version
   }
   return Outcome::kRead;
 }

@@ -7,13 +7,13 @@
 
 // The frame around every record, little-endian, 20 bytes, then the payload, then its CRC:
 // magic u32, type u16, version u16, payload length u32, record number u64, payload, CRC-32 u32 (zlib's polynomial)
-// over header and payload.
+// over header and payload. A chunk (record_chunk.h) is such a record, too.
 
 namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
 constexpr std::uint16_t kRecordVersion = 10;    ///< of every record; raised when a layout changes
-constexpr int kFormatVersion = 1;               ///< of the frame
+constexpr int kFormatVersion = 2;               ///< of the log: 1 has no chunks
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]
 constexpr std::size_t kMaxPayload = 16 * 1024;  ///< [bytes] of a record; the largest today, a plan, takes 4.1 KiB
@@ -33,7 +33,8 @@ enum class RecordType : std::uint16_t {
   kRecovery,
   kFaultChange,
   kExecution,
-  kExercise
+  kExercise,
+  kChunk
 };
 
 /** Type number of each record struct. */

@@ -1,3 +1,5 @@
+#include <zstd.h>
+
 #include <cstdio>
 #include <functional>
 #include <limits>
@@ -7,6 +9,7 @@
 #include "raven2_trainer/wire/pedals.h"
 #include "raven2_trainer/wire/robot_frame.h"
 #include "raven2_trainer/wire/sight.h"
+#include "session/record_chunk.h"
 #include "session/record_codec.h"
 #include "session/record_frame.h"
 
@@ -182,6 +185,31 @@ void appendRecord(const T& record, Bytes* bytes) {
   append(payload, bytes);
 }
 
+/** The contents of a chunk with six requests and six exercise events. */
+Bytes chunkSeed() {
+  Bytes frames, chunk;
+  for (std::uint8_t i = 0; i < 12; ++i) {
+    Bytes record;
+    i % 2 == 0 ? appendRecord(RequestRecord{i, {}}, &record) : appendRecord(ExerciseRecord{i, {}}, &record);
+    const std::size_t length = record.size() - 4;
+    Bytes frame(session::kFrameHeaderSize);
+    session::encodeFrameHeader({session::kMagic, static_cast<session::RecordType>(record[0]), session::kRecordVersion,
+                                static_cast<std::uint32_t>(length), i},
+                               frame.data());
+    frame.insert(frame.end(), record.begin() + 4, record.end());
+    frame.resize(frame.size() + session::kCrcSize);
+    append(frame, &frames);
+  }
+  session::ChunkPacker().pack(frames.data(), frames.size(), &chunk);
+  const std::uint8_t* payload = chunk.data() + session::kFrameHeaderSize + session::kChunkSpanSize;
+  const std::size_t length = session::decodeFrameHeader(chunk.data()).length - session::kChunkSpanSize;
+  Bytes contents(ZSTD_getFrameContentSize(payload, length));
+  ZSTD_decompress(contents.data(), contents.size(), payload, length);
+  Bytes seed{1, 0, 4, static_cast<std::uint8_t>(contents.size()), static_cast<std::uint8_t>(contents.size() >> 8U)};
+  append(contents, &seed);
+  return seed;
+}
+
 void logSeeds() {
   Bytes small{1}, plan{1};
   appendRecord(TickRecord{}, &small);
@@ -195,6 +223,7 @@ void logSeeds() {
   save("session_log", "records", small);
   appendRecord(PlanRecord{}, &plan);
   save("session_log", "plan", plan);
+  save("session_log", "chunk", chunkSeed());
   save("session_log", "no_log", Bytes{0, 'R', 'V', '2', 'L', 0, 0, 5, 0, 0xFF, 0xFF, 0xFF, 0xFF});
 }
 

@@ -1,11 +1,15 @@
+#include <zstd.h>
+
 #include "fuzz/fuzz_target.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
+#include "session/record_chunk.h"
 #include "session/record_frame.h"
 
 // The reader of session logs. Input: a byte, then the file. If bit 0 of the byte is set, the file begins with a good
 // first record, and the rest of the input is records (type, flags, length as 16 bits, payload). They get a correct CRC,
-// so that their values pass it, unless flag bit 0 is set.
+// so that their values pass it, unless flag bit 0 is set. With flag bit 2 the payload is the contents of a chunk, which
+// are compressed here.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -29,13 +33,25 @@ const std::string& goodStart() {
   return bytes;
 }
 
+Bytes compressed(const Bytes& contents) {
+  constexpr std::size_t kSpan = session::kChunkSpanSize;
+  Bytes bytes(kSpan + ZSTD_compressBound(contents.size()));
+  bytes.resize(kSpan + ZSTD_compress(bytes.data() + kSpan, bytes.size() - kSpan, contents.data(), contents.size(), 1));
+  return bytes;
+}
+
 std::string framed(Input* input, std::uint64_t number) {
   FrameHeader header;
   header.magic = session::kMagic;
   header.type = static_cast<session::RecordType>(input->byte());
   const std::uint8_t flags = input->byte();
   header.version = (flags & 2U) == 0 ? session::kRecordVersion : input->byte();
-  const Bytes payload = input->take(input->word());
+  Bytes payload = input->take(input->word());
+  if ((flags & 4U) != 0) {
+    header.type = session::RecordType::kChunk;
+    header.version = session::kChunkVersion;
+    payload = compressed(payload);
+  }
   header.length = static_cast<std::uint32_t>(payload.size());
   header.number = number;
   Bytes bytes(session::kFrameHeaderSize);

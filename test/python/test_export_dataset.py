@@ -315,14 +315,15 @@ def test_topics_that_the_daemon_has_too_have_its_names_and_types(bag):
     assert {"/mode", "/tf", "/tf_static", "/session/configuration", "/exercise/events"} <= set(bag)
 
 
-def seconds_to_read(rosbag, path):
-    """Processor time [s] to read a bag, the best of three."""
-    best = float("inf")
+def seconds_to_read(rosbag, paths):
+    """Processor time [s] to read each bag, the best of three. In turns: a machine's speed changes from second to second."""
+    best = [float("inf")] * len(paths)
     for _ in range(3):
-        begin = time.process_time()
-        with rosbag.Bag(str(path)) as bag:
-            assert sum(1 for _ in bag.read_messages()) > 1000
-        best = min(best, time.process_time() - begin)
+        for i, path in enumerate(paths):
+            begin = time.process_time()
+            with rosbag.Bag(str(path)) as bag:
+                assert sum(1 for _ in bag.read_messages()) > 1000
+            best[i] = min(best[i], time.process_time() - begin)
     return best
 
 
@@ -336,7 +337,8 @@ def test_a_bag_is_read_as_fast_as_a_recorded_one(directory, tmp_path):
         for topic, message, stamp in bag.read_messages():
             recorded.write(topic, message, stamp)
     assert written == sorted(written)
-    ratio = seconds_to_read(rosbag, tmp_path / "its.bag") / seconds_to_read(rosbag, tmp_path / "recorded.bag")
+    own, recorded_one = seconds_to_read(rosbag, [tmp_path / "its.bag", tmp_path / "recorded.bag"])
+    ratio = own / recorded_one
     print(f"reading it takes {ratio:.2f} times as long as reading a recorded bag")
     assert ratio < 1.3  # 1.9 with bz2, 3.8 with the messages written kind by kind
 

@@ -105,7 +105,7 @@ def test_the_labels_are_the_truth_of_the_log(data, sessions):
 
 
 def test_the_actions_move_a_simulation_along_the_same_path(data):
-    sys.path.insert(0, str(PROGRAMS.parents[1] / "python3/dist-packages"))
+    sys.path.insert(0, str(PROGRAMS.parent / "python3/dist-packages"))
     import raven2_trainer
 
     demo = data[0]["demo_0"]
@@ -125,7 +125,7 @@ def test_the_actions_move_a_simulation_along_the_same_path(data):
 
 def assert_the_tool_turns_as_recorded(demo, frames):
     """Plays the actions of the expert, who rotates the gold tool on the way to the ring."""
-    sys.path.insert(0, str(PROGRAMS.parents[1] / "python3/dist-packages"))
+    sys.path.insert(0, str(PROGRAMS.parent / "python3/dist-packages"))
     import raven2_trainer
 
     starts = np.floor(np.arange(frames + 1) * 1000 / FPS + 1e-6).astype(int)

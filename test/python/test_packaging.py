@@ -45,7 +45,7 @@ def test_package_xml_names_nothing_that_rosdep_does_not_know():
     """Known keys that are not ROS packages are in rosdep's base.yaml and python.yaml (ros/rosdistro, 2026). `ompl` is
     an exception: it is a package of ROS noetic."""
     known = set("assimp cli11 eigen ffmpeg gtest iproute2 libccd-dev libconsole-bridge-dev libfcl-dev libosmesa6-dev libsodium-dev libturbojpeg "
-                "liburdfdom-dev liburdfdom-tools libx11-dev nlohmann-json-dev ompl opende opengl pybind11-dev python3-aiohttp python3-h5py python3-matplotlib python3-numpy python3-pandas "
+                "liburdfdom-dev liburdfdom-tools libx11-dev libzstd-dev nlohmann-json-dev ompl opende opengl pybind11-dev python3-aiohttp python3-h5py python3-matplotlib python3-numpy python3-pandas "
                 "python3-psutil python3-pytest python3-yaml stress-ng xvfb yaml-cpp zlib".split())
     ros = set("actionlib actionlib_msgs catkin diagnostic_msgs genmsg genpy geometry_msgs message_generation "
               "message_runtime nav_msgs rosbag rosbag_storage rosbash roscpp rosgraph_msgs roslaunch rosmsg rospy rostest rostopic sensor_msgs "

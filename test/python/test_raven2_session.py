@@ -4,6 +4,7 @@ our own, so that the reader is shown to follow the log and not a fixed layout.
     /usr/bin/python3 -m unittest discover -s test/python
 """
 
+import ctypes
 import functools
 import json
 import os
@@ -75,6 +76,67 @@ def record(kind, payload, number=0, version=1):
 
 def header_record(**changes):
     return record(0, json.dumps({**HEADER, **changes}).encode())
+
+
+def numbers_of(fields):
+    """(bytes, whether floating-point) of each number of a record, in order."""
+    for entry in fields:
+        count = int(np.prod(entry["shape"], dtype=int))
+        if entry["type"] == "struct":
+            yield from list(numbers_of(entry["fields"])) * count
+        else:
+            yield from [(int(entry["type"][1:]) // 8, entry["type"][0] == "f")] * count
+
+
+def column_planes(values, width, is_float, order):
+    """A column as doc/session.md says, in plain integers: differences, folded, lowest bytes first."""
+    top = 1 << (8 * width)
+    if is_float:
+        values = [v ^ (top // 2 - 1) if v >= top // 2 else v for v in values]
+    for _ in range(order):
+        values = [values[0]] + [(b - a) % top for a, b in zip(values, values[1:])]
+    if order:
+        values = [2 * v if v < top // 2 else 2 * (top - v) - 1 for v in values]
+    return [bytes(v >> (8 * k) & 0xFF for v in values) for k in range(width)]
+
+
+def group_data(rows, numbers, orders):
+    """All numbers of a group: form by form; of one form the highest order first, and all lowest bytes before the next ones."""
+    data = b""
+    offsets = [sum(width for width, _ in numbers[:k]) for k in range(len(numbers))]
+    for form in ((8, True), (8, False), (4, False), (2, False), (1, False)):
+        columns = sorted((k for k, own in enumerate(numbers) if own == form), key=lambda k: -orders[k])
+        coded = [column_planes([int.from_bytes(row[offsets[k] : offsets[k] + form[0]], "little") for row in rows], *form, orders[k])
+                 for k in columns]
+        data += b"".join(planes[byte] for byte in range(form[0]) for planes in coded)
+    return data
+
+
+def compressed(contents):
+    library = ctypes.CDLL("libzstd.so.1")
+    room = ctypes.create_string_buffer(len(contents) + 1000 + len(contents) // 100)
+    size = library.ZSTD_compress(room, ctypes.c_size_t(len(room)), contents, ctypes.c_size_t(len(contents)), 3)
+    return room.raw[:size]
+
+
+def span(first, last):
+    return struct.pack("<qq", first, last)
+
+
+def chunk(records, seed=0, number=0):
+    """A chunk of (type, payload), with orders of differences drawn by lot."""
+    source = random.Random(seed)
+    kinds = sorted({kind for kind, _ in records})
+    contents = struct.pack("<II", len(records), len(kinds))
+    body = bytes(kinds.index(kind) for kind, _ in records)
+    for kind in kinds:
+        rows = [payload for k, payload in records if k == kind]
+        numbers = list(numbers_of(next(entry["fields"] for entry in RECORDS if entry["type"] == kind)))
+        orders = [source.randrange(5) for _ in numbers]
+        contents += struct.pack("<HHII", kind, 1, len(rows), len(numbers))
+        body += bytes(width | 0x80 * is_float for width, is_float in numbers) + bytes(orders) + group_data(rows, numbers, orders)
+    stamps = [struct.unpack_from("<q", payload)[0] for _, payload in records]
+    return record(14, span(min(stamps), max(stamps)) + compressed(contents + body), number)
 
 
 def request(tick):
@@ -183,6 +245,73 @@ class ReaderTest(LogCase):
             self.assertEqual(log.requests["tick"].tolist(), [1])
             self.assertEqual(log.bad_bytes, len(noise))
 
+    def test_gives_the_records_of_chunks_in_place(self):
+        source = random.Random(8)
+        records = []
+        for t in range(400):
+            tips = struct.pack("<20d", *(source.choice((0.0, -0.0, 1e300, float("nan"), float("-inf"), source.gauss(0, 1))) for _ in range(20)))
+            model = struct.pack("<qqqBBB", t - 50, -1, t * 1000003, source.randrange(7), 1, 1) + tips
+            records.append((1, model + struct.pack("<QQIBB", 2**64 - 1 - t, 1, source.randrange(2**32), 3, 1) + tips))
+            if source.random() < 0.7:
+                records.append((2, struct.pack("<q6d", t, *(t * t * 1e-3 for _ in range(6)))))
+        plain = self.read(header_record() + b"".join(record(kind, payload) for kind, payload in records) + request(5))
+        for seed in range(3):
+            log = self.read(header_record() + chunk(records[:300], seed) + record(*records[300]) + chunk(records[301:], seed) + request(5))
+            for name in ("ticks", "haptic", "requests"):
+                self.assertEqual(getattr(log, name).tobytes(), getattr(plain, name).tobytes())
+            self.assertEqual((log.bad_bytes, log.truncated_bytes), (0, 0))
+
+    def test_damage_costs_one_chunk(self):
+        chunks = [chunk([(4, struct.pack("<qB", 100 * i + k, 3)) for k in range(100)]) for i in range(3)]
+        ticks = [list(range(100 * i, 100 * i + 100)) for i in range(3)]
+        body = b"".join(chunks)
+        source = random.Random(2017)
+        for _ in range(300):
+            at = source.randrange(len(body))
+            damaged = bytearray(body)
+            damaged[at] ^= 1 << source.randrange(8)
+            log = self.read(header_record() + bytes(damaged) + request(999))
+            hit = next(i for i in range(3) if at < sum(map(len, chunks[: i + 1])))
+            self.assertEqual(log.requests["tick"].tolist(), sum((ticks[i] for i in range(3) if i != hit), []) + [999])
+            self.assertEqual(log.bad_bytes, len(chunks[hit]))
+        for cut in range(0, len(body), 7):
+            log = self.read(header_record() + body[:cut])
+            self.assertEqual(len(log.requests) % 100, 0)
+            self.assertEqual(log.bad_bytes, 0)
+
+    def test_a_part_of_a_session_is_read_alone(self):
+        records = [(4, struct.pack("<qB", t, 3)) for t in range(300)]
+        head = header_record() + b"".join(record(*r) for r in records[:50])
+        data = head + chunk(records[50:150]) + chunk(records[150:250]) + b"".join(record(*r) for r in records[250:]) + record(6, struct.pack("<Q", 7))
+        self.read(data)
+        for first, last in ((0, 299), (10, 60), (150, 150), (149, 251), (260, 1000), (-5, -1)):
+            log = raven2_session.SessionLog(self.path, ticks=(first, last))
+            self.assertEqual(log.requests["tick"].tolist(), [t for t in range(300) if first <= t <= last])
+            self.assertTrue(log.clean)
+            self.assertEqual(log.bad_bytes, 0)
+        unreadable = record(14, span(50, 149) + b"not compressed")
+        self.read(head + unreadable + chunk(records[150:250]))
+        log = raven2_session.SessionLog(self.path, ticks=(200, 249))
+        self.assertEqual((len(log.requests), log.bad_bytes), (50, 0))  # passed over, not looked at
+
+    def test_a_chunk_that_no_writer_makes_is_refused_as_a_whole(self):
+        good = struct.pack("<IIHHII", 2, 1, 4, 1, 2, 2) + bytes([0, 0, 8, 1, 0, 0]) + bytes(18)
+        self.assertEqual(len(self.read(header_record() + record(14, span(0, 1) + compressed(good))).requests), 2)
+        wrong = {"too many records": struct.pack("<I", 2**31) + good[4:], "too many groups": good[:4] + struct.pack("<I", 2**31) + good[8:],
+                 "rows without bytes": good[:12] + struct.pack("<I", 2**31) + good[16:], "cut": good[:-1], "longer": good + b"0", "empty": b"",
+                 "more numbers": good[:16] + struct.pack("<I", 2**31) + good[20:], "3 bytes": good[:22] + b"\3" + good[23:],
+                 "order 5": good[:24] + b"\5" + good[25:], "no such group": good[:20] + b"\1" + good[21:],
+                 "a chunk": good[:8] + struct.pack("<H", 14) + good[10:]}
+        for what, contents in wrong.items():
+            with self.subTest(what):
+                framed = record(14, span(0, 1) + compressed(contents))
+                log = self.read(header_record() + framed + request(7))
+                self.assertEqual(log.requests["tick"].tolist(), [7])
+                self.assertEqual(log.bad_bytes, len(framed))
+        log = self.read(header_record() + record(14, b"not compressed") + request(7) + record(14, b"later", version=2) + request(8))
+        self.assertEqual(log.requests["tick"].tolist(), [7, 8])
+        self.assertEqual(log.bad_bytes, len(record(14, b"not compressed")))
+
     def test_passes_over_kinds_and_versions_it_does_not_know(self):
         log = self.read(header_record() + record(99, b"new") + record(4, b"longer than before", version=2) + request(8))
         self.assertEqual(log.requests["tick"].tolist(), [8])
@@ -191,7 +320,7 @@ class ReaderTest(LogCase):
     def test_refuses_what_is_no_log(self):
         damaged = bytearray(header_record())
         damaged[100] ^= 1
-        for data in (b"", b"RV2L", b"x" * 1000, bytes(damaged), header_record(format_version=2), record(0, b"no JSON")):
+        for data in (b"", b"RV2L", b"x" * 1000, bytes(damaged), header_record(format_version=3), record(0, b"no JSON")):
             with self.assertRaises(raven2_session.SessionError):
                 self.read(data)
         with self.assertRaises(raven2_session.SessionError):

@@ -7,13 +7,14 @@ namespace raven2_trainer {
 
 /**
  * The queues from the 1 kHz loops to the recorder, in one piece of memory without pointers, so that it can be a mapped
- * file (session::FlightRecorder). About 8 MiB: 2 s of ticks.
+ * file (session::FlightRecorder). About 10 MiB: half a second of ticks that wait for their chunk, and 2 s for a disk
+ * that refuses.
  */
 struct RecordRings {
   // physics -> recorder
-  RecordRing<TickRecord, 2048> ticks;
+  RecordRing<TickRecord, 2560> ticks;
   // haptic -> recorder
-  RecordRing<HapticRecord, 2048> haptics;
+  RecordRing<HapticRecord, 2560> haptics;
   // physics -> recorder
   RecordRing<CommandRecord, 4096> commands;
   // physics -> recorder
@@ -23,13 +24,13 @@ struct RecordRings {
   // physics -> recorder
   RecordRing<FaultRecord, 16> faults;
   // physics -> recorder
-  RecordRing<ContactRecord, 8192> contacts;
+  RecordRing<ContactRecord, 12288> contacts;
   // physics -> recorder
   RecordRing<FaultChangeRecord, 2048> changes;
   // physics -> recorder
   RecordRing<ExecutionRecord, 8> executions;
   // physics -> recorder
-  RecordRing<ExerciseRecord, 4096> exercises;
+  RecordRing<ExerciseRecord, 6144> exercises;
 
   /** call(RecordKind, ring) for each, in the order in which they are written to the log. */
   template <typename Call>

@@ -135,16 +135,16 @@ struct SharedState {
   SpscRing<ReplayFrame, kReplayFrames> replay_frames;
   // queues to the recorder (RecordRings names their producers)
   RecordRings& records;
-  RecordRing<TickRecord, 2048>& tick_records;
-  RecordRing<HapticRecord, 2048>& haptic_records;
-  RecordRing<CommandRecord, 4096>& command_records;
-  RecordRing<RequestRecord, 512>& request_records;
-  RecordRing<PlanRecord, 8>& plan_records;
-  RecordRing<FaultRecord, 16>& fault_records;
-  RecordRing<ContactRecord, 8192>& contact_records;
-  RecordRing<FaultChangeRecord, 2048>& change_records;
-  RecordRing<ExecutionRecord, 8>& execution_records;
-  RecordRing<ExerciseRecord, 4096>& exercise_records;
+  decltype(RecordRings::ticks)& tick_records;
+  decltype(RecordRings::haptics)& haptic_records;
+  decltype(RecordRings::commands)& command_records;
+  decltype(RecordRings::requests)& request_records;
+  decltype(RecordRings::plans)& plan_records;
+  decltype(RecordRings::faults)& fault_records;
+  decltype(RecordRings::contacts)& contact_records;
+  decltype(RecordRings::changes)& change_records;
+  decltype(RecordRings::executions)& execution_records;
+  decltype(RecordRings::exercises)& exercise_records;
 
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;       // physics

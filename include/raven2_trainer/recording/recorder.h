@@ -14,9 +14,10 @@
 namespace raven2_trainer::recording {
 
 /**
- * Body of the recorder thread: queues to the session log and the metrics. A record stays in its queue until the log has
- * taken it. So nothing is lost while a disk refuses, until the queues are full. Then lost records are counted. A gap
- * record in the log has their number, as soon as the disk takes records again.
+ * Body of the recorder thread: queues to the session log and the metrics. The log gets half a second at a time, to
+ * compress it together. A record stays in its queue until the log has taken it. So nothing is lost while a disk
+ * refuses, until the queues are full. Then lost records are counted. A gap record in the log has their number, as soon
+ * as the disk takes records again.
  */
 class Recorder {
  public:
@@ -32,41 +33,47 @@ class Recorder {
            SharedState* shared,
            session::FlightRecorder* flight = nullptr);
 
-  /** Takes the memory for a batch of all that the queues hold, some 10 MiB: a recorder that comes late needs no more
+  /** Takes the memory for a batch of all that the queues hold, some 30 MiB: a recorder that comes late needs no more
    *  then. For one that has its own thread; in lockstep no batch is large. @throw std::bad_alloc. */
   void takeMemory();
 
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */
   void drain();
 
-  /**
-   * The same with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
-   * 0.5 s; a line on stderr reports the first refusal and its end. Forces the log to the disk once a second.
-   */
-  void drain(std::int64_t now_ns);
+  /** Takes what is waiting, and writes it once it is half a second. @throw SessionException if the disk refuses. */
+  void follow();
 
   /**
-   * After the loops stopped: the rest, the footer, metrics.json and faults.json. Records that the disk does not take
+   * The same with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
+   * 0.5 s; a line on stderr reports the first refusal and its end. Forces the log to the disk once a second. Where the
+   * queues do not survive the process, it writes at once.
+   * @param[in] at_once To write what is waiting in any case: the end of the session.
+   */
+  void drain(std::int64_t now_ns, bool at_once = false);
+
+  /**
+   * After the loops stopped: the rest, the footer, metrics.json and faults.json. Call drain() before the counts are
+   * taken: they have to say that the waiting records are written. Records that the disk does not take
    * become a gap record. @throw SessionException if even the footer does not fit; the queues' file is then left for a
    * recovery.
    */
   void finish(SessionCounts counts);
 
-  /** Newest session tick written; -1 before the first pedal down. */
-  Tick sessionTick() const noexcept { return session_tick_; }
-
  private:
-  /** A batch: the queues up to `tails`. */
-  struct Batch {
+  /** How far the log goes: the queues up to `tails`. */
+  struct Progress {
     RecordTally tails{}, dropped{};
     Tick tick{-1};
   };
 
-  Batch collect();
+  void collect();
+  bool isDue() const;
   void writeGap(GapReason reason, const RecordTally& lost, Tick tick);
-  void settle(const Batch& batch);
+  void settle();
   void release(const RecordTally& tails);
-  bool tryDrain();
+  bool write();
+  bool tryDrain(bool at_once);
+  [[noreturn]] void refuse() const;
   void reportRefusal();
   void reportReturn();
   void writeEnd(SessionCounts* counts);
@@ -78,10 +85,11 @@ class Recorder {
   session::LogWriter log_;
   session::FlightRecorder* flight_;
   training::MetricsAccumulator metrics_;
-  RecordTally reported_{};  ///< lost records that gap records in the log report
+  Progress written_;                ///< in the file; `dropped`: lost records that gap records report
+  Progress collected_;              ///< in the log's batch, too
+  std::vector<RecordTally> order_;  ///< tails after each collect() of the batch: the metrics see the log's order
   RecorderStatus status_{};
   int refused_since_gap_{0};  ///< errno
-  Tick tick_{-1}, session_tick_{-1};
   std::int64_t retry_ns_{0}, sync_ns_{0};
 };
 

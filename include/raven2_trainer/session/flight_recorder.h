@@ -39,6 +39,8 @@ class FlightRecorder {
   FlightRecorder& operator=(const FlightRecorder&) = delete;
 
   RecordRings* rings() noexcept;
+  /** Whether records in the queues survive the process. */
+  bool outlives() const noexcept { return !link_.empty(); }
   /** Links the file from the session's directory, whose log exists; before the loops start. */
   void attach(const SessionPaths& paths);
   /** Call after the log has accepted a batch and before the queues free its space; recorder thread only. */

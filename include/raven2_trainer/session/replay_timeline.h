@@ -26,7 +26,7 @@ struct ReplayInstant {
 class ReplayTimeline {
  public:
   /** [ticks] Length of the longest batch: that of the recorder's tick queue (SharedState::tick_records). */
-  static constexpr Tick kLongestBatch = 2048;
+  static constexpr Tick kLongestBatch = 2560;
 
   /**
    * @param[in] period [1 ms] least time between instants, at least 1.

@@ -11,7 +11,8 @@
 // The session log, session.rlog, is append-only: the authoritative record of a session. Each record has magic, type,
 // version, payload length, record number, payload and CRC-32. The first record describes every record's fields in JSON,
 // so that a reader in any language needs nothing else (example: scripts/raven2_session.py). Records are written field
-// by field, so the bytes depend only on the values. Format: doc/session.md.
+// by field, so the bytes depend only on the values. A large batch is compressed to records of type `chunk`; readers
+// give the records in it as if they were in the file. Format: doc/session.md.
 
 namespace raven2_trainer::session {
 
@@ -63,10 +64,10 @@ struct LogPosition {
 };
 
 /**
- * Writes one log. write() adds a record to a batch. commit() appends the batch to the file, so that a killed
- * process leaves complete batches and at most one incomplete batch. Not for real-time threads. While a LogWriter
- * exists, other processes cannot recover the log. @throw SessionException if the file cannot be opened or written: from
- * the constructors and finish(), and from write(), which commits a batch over 16 MiB.
+ * Writes one log. write() adds a record to a batch. commit() appends the batch to the file, compressed if it has 32 KiB
+ * or more, so that a killed process leaves complete batches and at most one incomplete batch. Not for real-time
+ * threads. While a LogWriter exists, other processes cannot recover the log. @throw SessionException if the file cannot
+ * be opened or written: from the constructors and finish(), and from write(), which commits a batch over 16 MiB.
  */
 class LogWriter {
  public:
@@ -81,7 +82,7 @@ class LogWriter {
 
   template <typename T>
   void write(const T& record);
-  /** Allocates a batch of `bytes` and touches every page, so that write() need not allocate. */
+  /** Allocates a batch of `bytes` and touches every page, so that write() and commit() need not allocate. */
   void reserve(std::size_t bytes);
   /**
    * Appends the batch. @return false if the write fails: the file is unchanged, the batch is discarded, and error()

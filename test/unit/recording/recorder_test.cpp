@@ -6,11 +6,13 @@
 
 #include <csignal>
 #include <filesystem>
+#include <utility>
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/configuration_copy.h"
 #include "support/rig.h"
+#include "unit/session/record_values.h"
 
 namespace raven2_trainer::recording {
 namespace {
@@ -18,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr Tick kQueue = decltype(RecordRings::ticks)::kCapacity;
 
 void limitFileSize(rlim_t bytes) {
   std::signal(SIGXFSZ, SIG_IGN);
@@ -43,10 +46,11 @@ class RecorderTest : public ::testing::Test {
 
   void push(Tick count) {
     for (Tick i = 0; i < count; ++i) {
-      TickRecord record;
+      // Random numbers, which cannot be compressed: a limit of the file's size is reached.
+      auto record = session::randomRecord<TickRecord>(random);
       record.model.tick = next_tick++;
-      shared.tick_records.tryPush(record);
-      shared.haptic_records.tryPush(HapticRecord{});
+      queues->tick_records.tryPush(record);
+      queues->haptic_records.tryPush(HapticRecord{});
     }
   }
 
@@ -62,6 +66,8 @@ class RecorderTest : public ::testing::Test {
   session::SessionPaths paths;
   TrainerConfig config;
   SharedState shared;
+  SharedState* queues{&shared};  ///< that records are pushed to
+  Random random{7};
   std::unique_ptr<Recorder> recorder;
   Tick next_tick{0};
   std::vector<Tick> ticks;
@@ -71,15 +77,15 @@ class RecorderTest : public ::testing::Test {
 TEST_F(RecorderTest, SaysInTheLogExactlyWhatAFullDiskCost) {
   push(100);
   recorder->drain(kSecond);
-  // GIVEN a disk that is full for longer than the queues of 2048 last
+  // GIVEN a disk that is full for longer than the queues last
   limitFileSize(fs::file_size(paths.log()));
   push(10);
   recorder->drain(kSecond);
   EXPECT_EQ(shared.recorder.load().failing, 1);
   EXPECT_EQ(shared.recorder.load().error, EFBIG);
-  push(3000);
+  push(kQueue + 952);
   recorder->drain(2 * kSecond);
-  EXPECT_EQ(shared.recorder.load().lost, 2 * (3010u - 2048u));
+  EXPECT_EQ(shared.recorder.load().lost, 2 * 962u);
   // WHEN there is room again
   limitFileSize(RLIM_INFINITY);
   recorder->drain(2 * kSecond + kSecond / 4);
@@ -96,10 +102,10 @@ TEST_F(RecorderTest, SaysInTheLogExactlyWhatAFullDiskCost) {
   EXPECT_EQ(gaps[0].reason, GapReason::kNotWritten);
   EXPECT_EQ(gaps[0].error, EFBIG);
   EXPECT_EQ(gaps[0].lost, (RecordTally{962, 962, 0, 0, 0, 0, 0}));
-  EXPECT_EQ(gaps[0].tick, 2147);
-  ASSERT_EQ(ticks.size(), 100u + 2048u + 5u);
-  EXPECT_EQ(ticks[2147], 2147);
-  EXPECT_EQ(ticks[2148], 2148 + 962);
+  EXPECT_EQ(gaps[0].tick, kQueue + 99);
+  ASSERT_EQ(ticks.size(), 100u + kQueue + 5u);
+  EXPECT_EQ(ticks[kQueue + 99], kQueue + 99);
+  EXPECT_EQ(ticks[kQueue + 100], kQueue + 100 + 962);
 }
 
 TEST_F(RecorderTest, CountsAsDroppedWhatTheDiskNeverTook) {
@@ -123,7 +129,7 @@ TEST_F(RecorderTest, CountsAsDroppedWhatTheDiskNeverTook) {
 }
 
 TEST_F(RecorderTest, SaysThatItDidNotKeepUp) {
-  push(2048 + 3);
+  push(kQueue + 3);
   recorder->drain(kSecond);
   recorder->finish(SessionCounts{});
   read();
@@ -143,7 +149,7 @@ TEST_F(RecorderTest, ATroubleThatCostNothingIsNotBlamedForLaterLosses) {
   limitFileSize(RLIM_INFINITY);
   recorder->drain(3 * kSecond);
   ASSERT_EQ(shared.recorder.load().failing, 0);
-  push(2048 + 3);
+  push(kQueue + 3);
   recorder->drain(4 * kSecond);
   recorder->finish(SessionCounts{});
   read();
@@ -231,6 +237,114 @@ TEST_F(RecorderTest, AFinishedLogNeedsNoFlightRecorder) {
   EXPECT_FALSE(fs::is_symlink(paths.directory + "/flight_recorder"));
   EXPECT_TRUE(read().clean);
   queues->tick_records.tryPush(TickRecord{});  // the memory is still there
+}
+
+/** A session with queues that survive the process: a batch may wait in them. */
+class WaitingRecorderTest : public RecorderTest {
+ protected:
+  void SetUp() override {
+    if (flight.description().rfind("none", 0) == 0) GTEST_SKIP() << flight.description();
+    fs::remove(paths.log());
+    queues = surviving.get();
+    recorder = std::make_unique<Recorder>(config, std::vector<std::string>{}, paths, "", queues, &flight);
+    size_ = fs::file_size(paths.log());
+  }
+  ~WaitingRecorderTest() override { recorder.reset(); }
+
+  bool hasGrown() {
+    const auto before = std::exchange(size_, fs::file_size(paths.log()));
+    return size_ > before;
+  }
+
+  session::FlightRecorder flight{"/dev/shm"};
+  std::unique_ptr<SharedState> surviving{std::make_unique<SharedState>(flight.rings())};
+
+ private:
+  std::uintmax_t size_{};
+};
+
+TEST_F(WaitingRecorderTest, WritesHalfASecondAtATime) {
+  push(499);
+  recorder->drain(kSecond);
+  EXPECT_FALSE(hasGrown());
+  push(1);
+  recorder->drain(kSecond);
+  EXPECT_TRUE(hasGrown());
+  push(499);
+  recorder->drain(kSecond);
+  EXPECT_FALSE(hasGrown());
+  EXPECT_EQ(sharedCounts(*queues).rings[static_cast<std::size_t>(RingId::kTickRecords)].taken, 500U);
+  recorder->drain(kSecond, /*at_once=*/true);
+  EXPECT_TRUE(hasGrown());
+  recorder->finish(sharedCounts(*queues));
+  read();
+  EXPECT_EQ(ticks.size(), 999U);
+}
+
+TEST_F(WaitingRecorderTest, WritesBeforeAQueueIsMoreThanAThirdFull) {
+  for (std::size_t i = 0; i < decltype(RecordRings::plans)::kCapacity / 3; ++i)
+    queues->plan_records.tryPush(PlanRecord{});
+  recorder->drain(kSecond);
+  EXPECT_FALSE(hasGrown());
+  queues->plan_records.tryPush(PlanRecord{});
+  recorder->drain(kSecond);
+  EXPECT_TRUE(hasGrown());
+}
+
+/** As the page on sessions promises: 2 s of ticks, 8192 contacts, 4096 events, on top of what waits for its batch. */
+TEST_F(WaitingRecorderTest, HasRoomForTwoSecondsOfADiskThatRefuses) {
+  limitFileSize(fs::file_size(paths.log()));
+  push(499);
+  recorder->drain(kSecond);
+  ASSERT_EQ(queues->recorder.load().failing, 0) << "nothing is tried yet";
+  push(2000);
+  for (int i = 0; i < 8192 + 4095; ++i)
+    queues->contact_records.tryPush(ContactRecord{});
+  for (int i = 0; i < 4096 + 2047; ++i)
+    queues->exercise_records.tryPush(ExerciseRecord{});
+  recorder->drain(kSecond);
+  EXPECT_EQ(queues->recorder.load().failing, 1);
+  EXPECT_EQ(queues->recorder.load().lost, 0U);
+  limitFileSize(RLIM_INFINITY);
+  recorder->drain(2 * kSecond);
+  EXPECT_EQ(queues->recorder.load().failing, 0);
+  recorder->finish(sharedCounts(*queues));
+  read();
+  EXPECT_EQ(ticks.size(), 2499U);
+  EXPECT_TRUE(gaps.empty());
+}
+
+/** "Written again" has to be true: after a refusal even a single record is tried. */
+TEST_F(WaitingRecorderTest, AfterARefusalItSaysThatItWritesAgainOnlyOnceItDid) {
+  limitFileSize(fs::file_size(paths.log()));
+  push(1);
+  recorder->drain(kSecond, /*at_once=*/true);
+  ASSERT_EQ(queues->recorder.load().failing, 1);
+  recorder->drain(2 * kSecond);
+  EXPECT_EQ(queues->recorder.load().failing, 1);
+  limitFileSize(RLIM_INFINITY);
+  recorder->drain(3 * kSecond);
+  EXPECT_EQ(queues->recorder.load().failing, 0);
+  EXPECT_TRUE(hasGrown());
+}
+
+TEST_F(RecorderTest, InLockstepTheMetricsAreThoseOfTheLogInItsOrder) {
+  for (int i = 0; i < 1200; ++i) {
+    push(1);
+    recorder->follow();
+  }
+  EXPECT_EQ(read().truncated_bytes, 0U);
+  EXPECT_EQ(ticks.size(), 1000U) << "two batches";
+  recorder->finish(sharedCounts(shared));
+  std::string order;
+  session::LogVisitor visitor;
+  visitor.tick = [&](const TickRecord&) { order += 't'; };
+  visitor.haptic = [&](const HapticRecord&) { order += 'h'; };
+  session::readLog(paths.log(), visitor);
+  std::string expected;
+  for (int i = 0; i < 1200; ++i)
+    expected += "th";
+  EXPECT_EQ(order, expected) << "as the ticks came, not kind by kind";
 }
 
 TEST_F(RecorderTest, InLockstepGivesUpOnADiskThatRefuses) {

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+// A column is the same number of many records of one kind, oldest first. From one tick to the next a number changes
+// little, and its change changes little. So a column is kept as differences of some order, small numbers whose high
+// bytes are zero; and byte by byte, all lowest bytes first, so that a compressor meets these zeros together. Everything
+// is integer arithmetic modulo 2^bits: exact for any value, NaN included, and the same on every machine.
+
+namespace raven2_trainer::session {
+
+/** How many bytes a number has, and whether it is floating-point. A byte in the log: bit 7 and the width. */
+class ColumnForm {
+ public:
+  static constexpr std::uint8_t kFloatBit = 0x80;
+
+  explicit constexpr ColumnForm(std::uint8_t code) noexcept : code_(code) {}
+
+  constexpr std::size_t width() const noexcept { return code_ & 0x0FU; }
+  constexpr bool isFloat() const noexcept { return (code_ & kFloatBit) != 0; }
+  /** Whole numbers of 1, 2, 4 and 8 bytes, and double. */
+  constexpr bool isValid() const noexcept {
+    const std::size_t w = width();
+    return (code_ & 0x70U) == 0 && (w == 1 || w == 2 || w == 4 || w == 8) && (!isFloat() || w == 8);
+  }
+
+ private:
+  std::uint8_t code_;
+};
+
+constexpr std::uint8_t kMostDifferences = 4;  ///< a fifth order made no column of a session smaller (measured)
+
+/** Works on one column after the other; keeps its memory. */
+class ColumnCoder {
+ public:
+  /**
+   * @param[in] values of `form.width()` bytes each, `stride` [bytes] apart.
+   * @param[out] planes `form.width()` planes of `rows` bytes, lowest first, `plane_stride` [bytes] apart.
+   * @return order of the differences that makes the numbers smallest.
+   */
+  std::uint8_t encode(ColumnForm form,
+                      const std::uint8_t* values,
+                      std::size_t stride,
+                      std::size_t rows,
+                      std::uint8_t* planes,
+                      std::size_t plane_stride);
+  /** The reverse. */
+  void decode(ColumnForm form,
+              std::uint8_t order,
+              const std::uint8_t* planes,
+              std::size_t plane_stride,
+              std::size_t rows,
+              std::uint8_t* values,
+              std::size_t stride);
+
+ private:
+  std::vector<std::uint64_t> differences_, best_;
+};
+
+}  // namespace raven2_trainer::session
