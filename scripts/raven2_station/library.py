@@ -11,16 +11,26 @@ TRAINEE = r"[a-z0-9_-]{1,32}"  # the whole ID
 
 def _files(folder):
     for path in sorted(pathlib.Path(folder).glob("*.yaml")):
-        content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        try:
+            content = yaml.safe_load(path.read_text(encoding="utf-8"))
+        except yaml.YAMLError as error:
+            raise ValueError(f"{path}: {error}") from None
         if isinstance(content, dict):
             yield path.stem, content
 
 
 class Library:
-    """@param share: the folder with config/, urdf/ and meshes/."""
+    """@param share: the folder with config/, urdf/ and meshes/. @param config: another configuration folder.
+    @throw ValueError with the file that is wrong."""
 
-    def __init__(self, share):
-        config = pathlib.Path(share) / "config"
+    def __init__(self, share, config=None):
+        config = pathlib.Path(config or pathlib.Path(share) / "config")
+        try:
+            self._read(config)
+        except KeyError as error:
+            raise ValueError(f"{config}: an exercise, hazard or curriculum lacks {error}") from None
+
+    def _read(self, config):
         exercises = sorted(_files(config / "exercises"), key=lambda item: item[1].get("number", 0))
         self.exercises = [{"name": name, "title": e["title"], "time_limit": e.get("time_limit"), "skills": e.get("skills", []),
                            "drill": e.get("drill", {}).get("scenario"), "clumsy": sorted(e.get("clumsy", {})),

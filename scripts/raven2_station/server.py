@@ -191,8 +191,10 @@ async def serve(station, client, asked):
 
 
 def make_app(options):
-    """@param options: share, programs, scripts, sessions (folders), robot (address or ""), password_hash, local (bool)."""
-    station = Station(Library(options.share), Records(options.sessions))
+    """@param options: share, programs, scripts, sessions (folders), config (root file of the user's own configuration, or ""),
+    robot (address or ""), password_hash, local (bool)."""
+    own = pathlib.Path(options.config).parent if options.config else None
+    station = Station(Library(options.share, own), Records(options.sessions))
     station.link = RosLink(station.heard, station.changed)
     station.finisher = Finisher(options.programs, options.scripts, station.finished)
     logs = pathlib.Path(options.sessions) / "station_logs"
@@ -206,7 +208,7 @@ def make_app(options):
         station.changed()
 
     station.supervisor = Supervisor(options.programs, options.sessions, station.known, changed, station.records.progress,
-                                    options.robot, logs)
+                                    options.robot, logs, options.config)
     app = web.Application(middlewares=[guard], client_max_size=LARGEST_BODY)
     app[STATION], app[LOCAL], app["numbers"] = station, options.local, 0
     app[ACCESS] = access.Access(options.password_hash, logs / "logins.json")

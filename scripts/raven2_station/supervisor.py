@@ -110,11 +110,12 @@ class Supervisor:
     """@param programs: folder of the programs. @param sessions: folder for session directories.
     @param robot: "" starts a virtual Raven for each attempt; an address: a real robot there, which is never touched.
     @param changed: called without arguments at each change of state().
-    @param progress: progress(trainee, curriculum) as Records.progress()."""
+    @param progress: progress(trainee, curriculum) as Records.progress(). @param config: root file for the programs; "": the packaged."""
 
-    def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None):
+    def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None, config=""):
         self._programs, self._sessions = pathlib.Path(programs), pathlib.Path(sessions)
         self._known, self._changed, self._progress, self._robot = known, changed, progress, robot
+        self._config = ["--config", str(config)] if config else []
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
         self._processes = {}
         self._choice = self._directory = None
@@ -199,7 +200,7 @@ class Supervisor:
         raise Refused("the session folder is full of sessions of this second")
 
     def _arguments(self, choice):
-        arguments = ["--seed", str(choice.seed)]
+        arguments = [*self._config, "--seed", str(choice.seed)]
         if choice.curriculum:
             arguments += ["--curriculum", choice.curriculum]
         if choice.trainee:

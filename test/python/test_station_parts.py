@@ -6,6 +6,7 @@ import os
 import pathlib
 import random
 import re
+import shutil
 import sys
 import types
 
@@ -174,6 +175,24 @@ def test_a_choice_that_cannot_be_is_refused_in_words(known, change, words_of_it)
 
 def supervise(folder, known, stages=(), current=0):
     return supervisor.Supervisor(folder, folder, known, lambda: None, lambda trainee, curriculum: (list(stages), current))
+
+
+def test_an_educators_own_configuration_is_offered_and_used(known, tmp_path):
+    shutil.copytree(ROOT / "config", tmp_path / "ours")
+    own = (tmp_path / "ours/curricula/frs_basics.yaml").read_text()
+    (tmp_path / "ours/curricula/tuesday.yaml").write_text(own.replace("title:", "title: Tuesday, not", 1))
+    ours = library.Library(ROOT, tmp_path / "ours")
+    assert set(ours.names("curricula")) - set(known.names("curricula")) == {"tuesday"}
+    assert ours.curriculum("tuesday")["title"].startswith("Tuesday")
+    boss = supervisor.Supervisor(tmp_path, tmp_path, ours, lambda: None, lambda *_: ([], 0), config=tmp_path / "ours/trainer.yaml")
+    used = boss._arguments(supervisor.Choice({**GOOD, "curriculum": "tuesday"}, ours))
+    assert used[:2] == ["--config", str(tmp_path / "ours/trainer.yaml")] and used[used.index("--curriculum") + 1] == "tuesday"
+    (tmp_path / "ours/curricula/tuesday.yaml").write_text("title: [")
+    with pytest.raises(ValueError, match="tuesday.yaml"):
+        library.Library(ROOT, tmp_path / "ours")
+    (tmp_path / "ours/curricula/tuesday.yaml").write_text("stages: []")
+    with pytest.raises(ValueError, match="lacks 'title'"):
+        library.Library(ROOT, tmp_path / "ours")
 
 
 def test_programs_get_what_was_chosen(known, tmp_path):
