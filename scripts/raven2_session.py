@@ -28,7 +28,7 @@ FRAME = struct.Struct("<4sHHIQ")  # magic, type, version, payload length, record
 CRC = struct.Struct("<I")
 MAX_PAYLOAD = 16 * 1024  # bytes, of any record but the first
 MAX_HEADER = 1024 * 1024  # bytes, of the first
-MAX_CHUNK = 4 * 1024 * 1024  # bytes, of a chunk
+MAX_CHUNK = 2304 * 1024  # bytes, of a chunk
 MAX_CONTENTS = 8 * 1024 * 1024  # bytes, of a chunk's contents
 CHUNK = (14, 1)  # type and version of a record that holds others, compressed
 CHUNK_SPAN = struct.Struct("<qq")  # first and last physics tick of its records; then the compressed contents
@@ -36,6 +36,8 @@ CHUNK_HEAD = struct.Struct("<II")  # records, groups
 CHUNK_GROUP = struct.Struct("<HHII")  # type, version, records, numbers in a record
 FORMS = (0x88, 8, 4, 2, 1)  # of a number: its bytes, and bit 7 for floating-point
 MAX_ORDER = 4  # of differences
+MAX_GROUPS = 255
+ZSTD_MAGIC = bytes.fromhex("28b52ffd")
 FORMAT_NAME = "raven2_trainer session log"
 FORMAT_VERSIONS = (1, 2)  # 1 has no chunks
 NO_TRAINING = {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"}
@@ -164,7 +166,8 @@ class SessionLog:
     here and `from_flight_recorder` says how many; the files stay as they are.
 
     ticks: (first, last) physics tick [ms], `model.tick`, to read only a part of a long session: chunks outside are passed
-    over. `clean`, `recovered` and `counts` are those of the whole.
+    over. `clean`, `recovered`, `counts` and `from_flight_recorder` are those of the whole, `lost` and `bad_bytes` of what was
+    read.
     """
 
     def __init__(self, path, ticks=None):
@@ -210,11 +213,9 @@ class SessionLog:
         kinds = {entry["type"]: entry for entry in self.header["records"]}
         types = {number: dtype_of(entry["fields"]) for number, entry in kinds.items()}
         end = min(len(data), flight.log_size) if flight else len(data)
-        found = self._scan(data, position, end, {n: (kinds[n]["version"], types[n].itemsize) for n in kinds})
-        self._arrays = {}
-        for number, pieces in found.items():
-            size = types[number].itemsize
-            self._arrays[kinds[number]["name"]] = np.frombuffer(_gathered(data, pieces, size), dtype=types[number])
+        known = {n: (kinds[n]["version"], types[n].itemsize) for n in kinds}
+        rows = _gathered(data, self._scan(data, position, end, known), {n: size for n, (_, size) in known.items()})
+        self._arrays = {kinds[n]["name"]: np.frombuffer(rows[n], types[n]) for n in kinds}
         if flight and not len(self._arrays["counts"]):
             self.lost += flight.lost()
             for name, array in flight.records(types):
@@ -222,12 +223,20 @@ class SessionLog:
                 self._arrays[name] = np.concatenate([self._arrays[name], array])
         self._arrays = {name: self._within_span(name, array) for name, array in self._arrays.items()}
 
-    def _groups(self, payload):
-        if self._span and len(payload) >= CHUNK_SPAN.size:
-            first, last = CHUNK_SPAN.unpack_from(payload)
-            if last < self._span[0] or first > self._span[1]:
-                return []
-        return [(kind, version, rows.shape[1], [rows]) for kind, version, rows in _groups(payload)]
+    def _is_outside(self, payload):
+        """Whether a chunk lies before or behind the ticks that were asked for."""
+        if not self._span or len(payload) < CHUNK_SPAN.size:
+            return False
+        first, last = CHUNK_SPAN.unpack_from(payload)
+        return last < self._span[0] or first > self._span[1]
+
+    def _chunk_groups(self, payload, known):
+        """[(type, records)] that can be used, and whether that is all of known types. @throw ValueError."""
+        if self._is_outside(payload):
+            return [], True
+        ours = [group for group in _Chunk(payload).heads if group[0] in known and known[group[0]][0] == group[1]]
+        usable = [(group[0], group[2]) for group in ours if group.length == known[group[0]][1]]
+        return usable, len(usable) == len(ours)
 
     def _within_span(self, name, array):
         """The records of the ticks that were asked for. All but two kinds begin with their tick."""
@@ -237,30 +246,34 @@ class SessionLog:
         return array[(ticks >= self._span[0]) & (ticks <= self._span[1])]
 
     def _scan(self, data, position, end, known):
-        """The intact payloads of each known type: offset of one, or array of a chunk's."""
-        found = {number: [] for number in known}
+        """[(offset, [(type, records)], size of the chunk or 0)] of what is intact, for records of known types and lengths."""
+        found = []
+        plain = {number: ((number, 1),) for number in known}
         skipped_from = None  # start of a stretch without an intact record
         cut = False
         while position < end:
             state, kind, version, size = _look(data, position, end)
-            groups = [(kind, version, size, [position + FRAME.size])]
+            body = position + FRAME.size
             if state == "intact" and (kind, version) == CHUNK:
                 try:
-                    groups = self._groups(data[position + FRAME.size : position + FRAME.size + size])
+                    groups, is_whole = self._chunk_groups(data[body : body + size], known)
+                    if groups:
+                        found.append((body, groups, size))
                 except ValueError:
                     state = "bad"
+            elif state == "intact" and kind in known and known[kind][0] == version:
+                is_whole = size == known[kind][1]
+                if is_whole:
+                    found.append((body, plain[kind], 0))
+            else:
+                is_whole = True
             if state == "intact":
                 if skipped_from is not None:
                     self.bad_bytes += position - skipped_from
                     skipped_from = None
-                whole = FRAME.size + size + CRC.size
-                usable = [group for group in groups if group[0] in known and known[group[0]][0] == group[1]]
-                for number, _, length, pieces in usable:
-                    if length == known[number][1]:
-                        found[number] += pieces
-                if any(length != known[number][1] for number, _, length, _ in usable):
-                    self.bad_bytes += whole
-                position += whole
+                position = body + size + CRC.size
+                if not is_whole:
+                    self.bad_bytes += FRAME.size + size + CRC.size
                 continue
             if skipped_from is None:
                 skipped_from, cut = position, state == "cut"
@@ -275,16 +288,23 @@ class SessionLog:
         return found
 
 
-def _gathered(data, pieces, size):
-    """Payloads one behind the other, read-only. Takes the pieces."""
-    payloads = bytearray(sum(1 if isinstance(piece, int) else len(piece) for piece in pieces) * size)
-    end = len(payloads)
-    while pieces:
-        piece = pieces.pop()
-        rows = data[piece : piece + size] if isinstance(piece, int) else piece.data.cast("B")
-        payloads[end - len(rows) : end] = rows
-        end -= len(rows)
-    return memoryview(payloads).toreadonly()
+def _gathered(data, found, sizes):
+    """The records of each type, one behind the other. Chunks are read a second time, which saves their memory."""
+    totals = dict.fromkeys(sizes, 0)
+    for number, count in (group for _, groups, _ in found for group in groups):
+        totals[number] += count * sizes[number]
+    rows = {number: memoryview(bytearray(total)) for number, total in totals.items()}
+    ends = dict.fromkeys(sizes, 0)
+    for offset, groups, chunk_size in found:
+        chunk = _Chunk(data[offset : offset + chunk_size]) if chunk_size else None
+        for number, count in groups:
+            begin, size = ends[number], sizes[number]
+            ends[number] = end = begin + count * size
+            if chunk:
+                chunk.read(number, np.frombuffer(rows[number][begin:end], np.uint8).reshape(count, size))
+            else:
+                rows[number][begin:end] = data[offset : offset + size]
+    return {number: view.toreadonly() for number, view in rows.items()}
 
 
 @functools.lru_cache(maxsize=1)
@@ -293,7 +313,10 @@ def _zstd():
     try:
         library = ctypes.CDLL("libzstd.so.1")
     except OSError:
-        library = ctypes.CDLL(ctypes.util.find_library("zstd"))
+        name = ctypes.util.find_library("zstd")
+        if name is None:
+            raise SessionError("the library zstd is missing: install Debian's libzstd1") from None
+        library = ctypes.CDLL(name)
     library.ZSTD_getFrameContentSize.restype = ctypes.c_ulonglong
     library.ZSTD_getFrameContentSize.argtypes = [ctypes.c_char_p, ctypes.c_size_t]
     library.ZSTD_decompress.restype = ctypes.c_size_t
@@ -311,32 +334,49 @@ def _contents(payload):
     return contents
 
 
-def _groups(payload):
-    """[(type, version, array of bytes: record, byte)] for each kind of record in a chunk. @throw ValueError."""
-    contents = _contents(payload[CHUNK_SPAN.size :])
-    try:
-        records, count = CHUNK_HEAD.unpack_from(contents)
-        heads = [CHUNK_GROUP.unpack_from(contents, CHUNK_HEAD.size + i * CHUNK_GROUP.size) for i in range(count)]
-    except struct.error as error:
-        raise ValueError(str(error)) from None
-    position = CHUNK_HEAD.size + count * CHUNK_GROUP.size
-    order = contents[position : position + records]  # each record's group; arrays of one kind do not need it
-    position += len(order)
-    if len(order) != records or np.bincount(order, minlength=count).tolist() != [head[2] for head in heads]:
-        raise ValueError("not the records that it names")
-    groups = []
-    for kind, version, rows, columns in heads:
-        forms, orders = contents[position : position + 2 * columns].reshape(2, columns)
-        position += 2 * columns
-        size = rows * int((forms & 0x0F).sum())
-        if (kind in (0, CHUNK[0]) or not set(forms.tobytes()) <= set(FORMS) or orders.max(initial=0) > MAX_ORDER
-                or position + size > len(contents)):
-            raise ValueError("no group of records")
-        groups.append((kind, version, _rows(forms, orders, rows, contents[position : position + size])))
-        position += size
-    if position != len(contents):
-        raise ValueError("too long")
-    return groups
+class _Group(tuple):
+    """(type, version, records) of a chunk. `length`: bytes of a record."""
+
+    def __new__(cls, kind, version, count, forms, orders, planes):
+        self = super().__new__(cls, (kind, version, count))
+        self.forms, self.orders, self.planes, self.length = forms, orders, planes, int((forms & 0x0F).sum())
+        return self
+
+
+class _Chunk:
+    """A chunk's groups; `read` gives the records of one. @throw ValueError for what no writer makes."""
+
+    def __init__(self, payload):
+        contents = _contents(payload[CHUNK_SPAN.size :])
+        try:
+            records, count = CHUNK_HEAD.unpack_from(contents)
+            if not records or count > MAX_GROUPS:
+                raise ValueError("no records, or too many groups")
+            heads = [CHUNK_GROUP.unpack_from(contents, CHUNK_HEAD.size + i * CHUNK_GROUP.size) for i in range(count)]
+        except struct.error as error:
+            raise ValueError(str(error)) from None
+        position = CHUNK_HEAD.size + count * CHUNK_GROUP.size
+        order = contents[position : position + records]  # each record's group; arrays of one kind do not need it
+        position += len(order)
+        if len(order) != records or np.bincount(order, minlength=count).tolist() != [head[2] for head in heads]:
+            raise ValueError("not the records that it names")
+        self.heads = []
+        for kind, version, rows, columns in heads:
+            forms, orders = contents[position : position + 2 * columns].reshape(2, columns)
+            position += 2 * columns
+            length = int((forms & 0x0F).sum())
+            if (not rows or not 0 < length <= MAX_PAYLOAD or kind in (0, CHUNK[0]) or not set(forms.tobytes()) <= set(FORMS)
+                    or orders.max() > MAX_ORDER or position + rows * length > len(contents)):
+                raise ValueError("no group of records")
+            planes = contents[position : position + rows * length]
+            self.heads.append(_Group(kind, version, rows, forms, orders, planes))
+            position += rows * length
+        if position != len(contents):
+            raise ValueError("too long")
+
+    def read(self, kind, into):
+        group = next(group for group in self.heads if group[0] == kind and group.length == into.shape[1] and group[2] == len(into))
+        _read_rows(group, into)
 
 
 @functools.lru_cache(maxsize=64)
@@ -351,26 +391,25 @@ def _layout(forms):
             begins = np.flatnonzero(np.diff(columns, prepend=-2) != 1)
             ends = np.append(begins[1:], len(columns))
             blocks.append((form, columns, [(begin, end, offsets[columns[begin]]) for begin, end in zip(begins, ends)]))
-    return int(offsets[-1]), blocks
+    return blocks
 
 
-def _rows(forms, orders, count, planes):
-    """The records of a group, array (record, byte). Each number was kept as a difference to the records before."""
-    length, blocks = _layout(forms.tobytes())
-    rows = np.empty((count, length), np.uint8)
+def _read_rows(group, rows):
+    """The records of a group into an array (record, byte). Each number was kept as a difference to the records before."""
+    count = len(rows)
     begin = 0
-    for form, columns, stretches in blocks:
+    for form, columns, stretches in _layout(group.forms.tobytes()):
         width = form & 0x0F
         end = begin + width * len(columns) * count
-        by_order = np.argsort(-orders[columns].astype(int), kind="stable")  # the columns' order in the data
-        numbers = _numbers(planes[begin:end].reshape(width, len(columns), count), orders[columns][by_order], form >= 0x80)
+        by_order = np.argsort(-group.orders[columns].astype(int), kind="stable")  # the columns' order in the data
+        planes = group.planes[begin:end].reshape(width, len(columns), count)
+        numbers = _numbers(planes, group.orders[columns][by_order], form >= 0x80)
         sorted_back = np.empty((count, len(columns)), numbers.dtype)
         sorted_back[:, by_order] = numbers.T
         values = sorted_back.view(np.uint8)
         for first, last, offset in stretches:
             rows[:, offset : offset + (last - first) * width] = values[:, first * width : last * width]
         begin = end
-    return rows
 
 
 def _numbers(planes, orders, is_float):
@@ -405,6 +444,8 @@ def _look(data, position, end, limit=MAX_PAYLOAD):
     body = position + FRAME.size + size
     if body + CRC.size > end:
         return "cut", 0, 0, 0
+    if kind == CHUNK[0] and version == CHUNK[1] and data[position + FRAME.size + CHUNK_SPAN.size : position + FRAME.size + CHUNK_SPAN.size + 4] != ZSTD_MAGIC:
+        return "bad", 0, 0, 0  # the CRC of what is so long takes time
     intact = zlib.crc32(data[position:body]) == CRC.unpack_from(data, body)[0]
     return ("intact" if intact else "bad"), kind, version, size
 

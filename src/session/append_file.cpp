@@ -10,7 +10,7 @@ namespace raven2_trainer::session {
 
 namespace {
 
-constexpr std::uint64_t kChunk = 4U << 20U;  // [bytes] allocated ahead at once: 2 s of a session
+constexpr std::uint64_t kChunk = 4U << 20U;  // [bytes] allocated ahead at once: 6 s of a session
 
 /** EIO stands for a file that is shorter than what was written to it: somebody cut or replaced it. */
 constexpr int kCutByOthers = EIO;

@@ -1,7 +1,9 @@
 #include "column_code.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <utility>
 
 namespace raven2_trainer::session {
 namespace {
@@ -25,14 +27,46 @@ std::uint64_t unfolded(std::uint64_t number) noexcept {
   return (number >> 1U) ^ ((number & 1U) != 0 ? ~0ULL : 0ULL);
 }
 
+/** 0 to 64, without a branch. */
 unsigned bitsOf(std::uint64_t number) noexcept {
-  return number == 0 ? 0U : 64U - static_cast<unsigned>(__builtin_clzll(number));
+  return 63U - static_cast<unsigned>(__builtin_clzll(number | 1U)) + (number != 0 ? 1U : 0U);
 }
 
-/** In place, from the end: each number less the one before it; the first stays. */
-void difference(std::vector<std::uint64_t>* numbers) noexcept {
-  for (std::size_t i = numbers->size(); i-- > 1;)
-    (*numbers)[i] -= (*numbers)[i - 1];
+constexpr std::size_t kOrders = kMostDifferences + 1;
+
+/** Differences of every order, number by number: each number less the one before it, and the same of these. */
+class Differences {
+ public:
+  /** @return differences of orders 0 (the number itself) to kMostDifferences. */
+  std::array<std::uint64_t, kOrders> next(std::uint64_t number) noexcept {
+    std::array<std::uint64_t, kOrders> all{number};
+    for (std::size_t k = 1; k < kOrders; ++k)
+      all[k] = all[k - 1] - std::exchange(before_[k - 1], all[k - 1]);
+    return all;
+  }
+
+ private:
+  std::array<std::uint64_t, kMostDifferences> before_{};
+};
+
+/** The order whose differences have the fewest bits in all, as far as a part of the column shows it. */
+std::uint8_t bestOrder(const std::vector<std::uint64_t>& numbers, unsigned bits) noexcept {
+  constexpr std::size_t kLookedAt = 160;  // in the middle: all 500 take three times as long and save 0.2 % (measured)
+  const std::size_t rows = std::min(numbers.size(), kLookedAt), first = (numbers.size() - rows) / 2;
+  std::array<std::uint64_t, kOrders> cost{};
+  Differences differences;
+  for (std::size_t i = first; i < first + rows; ++i) {
+    const auto all = differences.next(numbers[i]);
+    cost[0] += bitsOf(all[0]);
+    for (std::size_t k = 1; k < kOrders; ++k)
+      cost[k] += bitsOf(folded(all[k], bits));
+  }
+  std::size_t best = 0;
+  for (std::size_t k = 1; k < kOrders; ++k) {
+    // A higher order has to earn its place: with it, an error of the machine's last bit grows.
+    if (cost[k] + cost[k] / 64 < cost[best]) best = k;
+  }
+  return static_cast<std::uint8_t>(best);
 }
 
 void sum(std::vector<std::uint64_t>* numbers) noexcept {
@@ -50,32 +84,27 @@ std::uint8_t ColumnCoder::encode(ColumnForm form,
                                  std::size_t plane_stride) {
   const std::size_t width = form.width();
   const auto bits = static_cast<unsigned>(8 * width);
-  differences_.assign(rows, 0);
-  best_.resize(rows);
+  numbers_.assign(rows, 0);
+  bool is_constant = true;
   for (std::size_t i = 0; i < rows; ++i) {
-    std::memcpy(&differences_[i], values + i * stride, width);
-    if (form.isFloat()) differences_[i] = ordered(differences_[i]);
+    std::memcpy(&numbers_[i], values + i * stride, width);
+    if (form.isFloat()) numbers_[i] = ordered(numbers_[i]);
+    is_constant = is_constant && numbers_[i] == numbers_[0];
   }
-  std::uint8_t chosen = 0;
-  std::uint64_t least = 0;
-  for (std::uint8_t order = 0; order <= kMostDifferences; ++order) {
-    if (order > 0) difference(&differences_);
-    std::uint64_t cost = 0;
-    for (const std::uint64_t d : differences_)
-      cost += bitsOf(order == 0 ? d : folded(d, bits));
-    // A higher order has to earn its place: with it, an error of the machine's last bit grows.
-    if (order > 0 && cost + cost / 64 >= least) continue;
-    least = cost;
-    chosen = order;
-    std::transform(differences_.begin(), differences_.end(), best_.begin(),
-                   [&](std::uint64_t d) { return order == 0 ? d : folded(d, bits); });
+  // Most numbers of a tick do not change for seconds.
+  const bool is_zero = is_constant && (rows == 0 || numbers_[0] == 0);
+  const std::uint8_t order = is_constant ? (is_zero ? 0 : 1) : bestOrder(numbers_, bits);
+  if (order > 0) {
+    Differences differences;
+    std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(),
+                   [&](std::uint64_t number) { return folded(differences.next(number)[order], bits); });
   }
   for (std::size_t b = 0; b < width; ++b) {
     std::uint8_t* plane = planes + b * plane_stride;
     for (std::size_t i = 0; i < rows; ++i)
-      plane[i] = static_cast<std::uint8_t>(best_[i] >> (8 * b));
+      plane[i] = static_cast<std::uint8_t>(numbers_[i] >> (8 * b));
   }
-  return chosen;
+  return order;
 }
 
 void ColumnCoder::decode(ColumnForm form,
@@ -86,17 +115,17 @@ void ColumnCoder::decode(ColumnForm form,
                          std::uint8_t* values,
                          std::size_t stride) {
   const std::size_t width = form.width();
-  best_.assign(rows, 0);
+  numbers_.assign(rows, 0);
   for (std::size_t b = 0; b < width; ++b) {
     const std::uint8_t* plane = planes + b * plane_stride;
     for (std::size_t i = 0; i < rows; ++i)
-      best_[i] |= static_cast<std::uint64_t>(plane[i]) << (8 * b);
+      numbers_[i] |= static_cast<std::uint64_t>(plane[i]) << (8 * b);
   }
-  if (order > 0) std::transform(best_.begin(), best_.end(), best_.begin(), unfolded);
+  if (order > 0) std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(), unfolded);
   for (std::uint8_t k = 0; k < order; ++k)
-    sum(&best_);
+    sum(&numbers_);
   for (std::size_t i = 0; i < rows; ++i) {
-    const std::uint64_t bits = form.isFloat() ? ordered(best_[i]) : best_[i];
+    const std::uint64_t bits = form.isFloat() ? ordered(numbers_[i]) : numbers_[i];
     std::memcpy(values + i * stride, &bits, width);
   }
 }

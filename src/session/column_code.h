@@ -56,7 +56,7 @@ class ColumnCoder {
               std::size_t stride);
 
  private:
-  std::vector<std::uint64_t> differences_, best_;
+  std::vector<std::uint64_t> numbers_;
 };
 
 }  // namespace raven2_trainer::session

@@ -38,7 +38,7 @@ bool LogScanner::fill(std::size_t wanted) {
   offset_ += position_;
   size_ -= position_;
   position_ = 0;
-  if (wanted > window_.size()) window_.resize(wanted);
+  if (wanted > window_.size()) window_.resize(2 * wanted);  // so that each next one need not be moved to its begin
   while (size_ < window_.size() && !at_end_) {
     const std::size_t got = std::fread(window_.data() + size_, 1, window_.size() - size_, file_);
     if (got == 0) at_end_ = true;
@@ -52,6 +52,12 @@ LogScanner::Look LogScanner::look(FrameHeader* header) {
   if (!fill(kFrameHeaderSize)) return Look::kCutShort;
   *header = decodeFrameHeader(window_.data() + position_);
   if (header->magic != kMagic || header->length > limitOf(*header, position() == 0)) return Look::kBad;
+  // A chunk's CRC takes long. Bytes that only look like its header must not cost that.
+  constexpr std::size_t kBegin = kChunkSpanSize + sizeof(kMagic);
+  if (isChunk(*header) && fill(kFrameHeaderSize + kBegin) &&
+      !ChunkReader::mayBe(window_.data() + position_ + kFrameHeaderSize, kBegin)) {
+    return Look::kBad;
+  }
   const std::size_t body = kFrameHeaderSize + header->length;
   if (!fill(body + kCrcSize)) return Look::kCutShort;
   std::uint32_t crc = 0;

@@ -94,21 +94,32 @@ struct LogWriter::Impl {
     return seal(RecordTypeOf<T>::kType, out.size(), frame.data());
   }
 
-  /** Puts header and CRC around the payload already in place and adds it to the batch. @return [bytes] of the frame. */
+  /** Puts the header before the payload already in place and adds the frame to the batch. @return [bytes] of it. */
   std::size_t seal(RecordType type, std::size_t payload, std::uint8_t* bytes) {
     if (finished) fail("the log is finished, no record can follow");
     if (batch.size() > kMaxBatch && !commit()) fail("cannot be written", file.error());
     encodeFrameHeader({kMagic, type, kRecordVersion, static_cast<std::uint32_t>(payload), next_number++}, bytes);
-    const std::size_t size = kFrameHeaderSize + payload;
-    const std::uint32_t crc = crc32Of(bytes, size);
-    std::memcpy(bytes + size, &crc, kCrcSize);
-    batch.insert(batch.end(), bytes, bytes + size + kCrcSize);
-    return size + kCrcSize;
+    const std::size_t size = kFrameHeaderSize + payload + kCrcSize;
+    batch.insert(batch.end(), bytes, bytes + size);
+    return size;
+  }
+
+  /** Writes the CRC of each frame from `begin` on. Those that go into chunks need none. */
+  void sign(std::size_t begin) noexcept {
+    while (begin < batch.size()) {
+      std::uint8_t* bytes = batch.data() + begin;
+      const std::size_t size = kFrameHeaderSize + decodeFrameHeader(bytes).length;
+      const std::uint32_t crc = crc32Of(bytes, size);
+      std::memcpy(bytes + size, &crc, kCrcSize);
+      begin += size + kCrcSize;
+    }
   }
 
   bool commit(bool use_reserve = false) noexcept {
     if (batch.empty()) return true;
-    const std::vector<std::uint8_t>& bytes = packed() ? chunks : batch;
+    const bool is_packed = packed();
+    if (!is_packed) sign(0);
+    const std::vector<std::uint8_t>& bytes = is_packed ? chunks : batch;
     const bool written = file.append(bytes.data(), bytes.size(), use_reserve);
     batch.clear();
     plain = 0;
@@ -122,6 +133,7 @@ struct LogWriter::Impl {
     if (size < kWorthAChunk) return false;
     chunks.clear();
     packer.pack(batch.data(), size, &chunks);
+    sign(size);
     chunks.insert(chunks.end(), batch.end() - static_cast<std::ptrdiff_t>(plain), batch.end());
     return true;
   } catch (const std::bad_alloc&) {

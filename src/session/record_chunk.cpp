@@ -85,11 +85,26 @@ struct ChunkPacker::Impl {
     return groups.back();
   }
 
+  /** Widens the span of the chunk by the record's tick. @return false if it would be too long. */
+  bool fits(const FrameHeader& header, const std::uint8_t* payload) {
+    if (!beginsWithTick(header)) return true;
+    Tick tick = 0;
+    std::memcpy(&tick, payload, sizeof(tick));
+    const Tick first_then = std::min(first_tick, tick), last_then = std::max(last_tick, tick);
+    // Unsigned, because ticks of a log may be any numbers.
+    const auto span = static_cast<std::uint64_t>(last_then) - static_cast<std::uint64_t>(first_then);
+    if (span >= static_cast<std::uint64_t>(kMaxChunkTicks) && !order.empty()) return false;
+    first_tick = first_then;
+    last_tick = last_then;
+    return true;
+  }
+
   /** Takes records up to the chunk's limit. @return [bytes] taken. */
   std::size_t take(const std::uint8_t* frames, std::size_t size) {
     std::size_t at = 0;
     while (at < size && at < kMaxChunkRecords) {
       const FrameHeader header = decodeFrameHeader(frames + at);
+      if (!fits(header, frames + at + kFrameHeaderSize)) break;
       Group& group = groupOf(header);
       if (group.count == 0) {
         group.number = static_cast<std::uint8_t>(used.size());
@@ -98,12 +113,6 @@ struct ChunkPacker::Impl {
       if (order.empty()) first = header.number;
       order.push_back(group.number);
       const std::uint8_t* payload = frames + at + kFrameHeaderSize;
-      if (beginsWithTick(header)) {
-        Tick tick = 0;
-        std::memcpy(&tick, payload, sizeof(tick));
-        first_tick = std::min(first_tick, tick);
-        last_tick = std::max(last_tick, tick);
-      }
       group.rows.insert(group.rows.end(), payload, payload + header.length);
       ++group.count;
       at += kFrameHeaderSize + header.length + kCrcSize;
@@ -217,7 +226,8 @@ struct ChunkReader::Group {
     like.version = in->get<std::uint16_t>();
     count = in->get<std::uint32_t>();
     columns = in->get<std::uint32_t>();
-    return !in->underflow() && like.type != RecordType::kHeader && like.type != RecordType::kChunk;
+    return !in->underflow() && count > 0 && columns > 0 && like.type != RecordType::kHeader &&
+           like.type != RecordType::kChunk;
   }
 
   bool readRows(ByteReader* in, ColumnCoder* coder) {
@@ -230,7 +240,7 @@ struct ChunkReader::Group {
       if (!ColumnForm(forms[c]).isValid() || orders[c] > kMostDifferences) return false;
       length += ColumnForm(forms[c]).width();
     }
-    if (length > kMaxPayload || count > in->left() / std::max<std::size_t>(length, 1)) return false;
+    if (length > kMaxPayload || count > in->left() / length) return false;
     like.length = static_cast<std::uint32_t>(length);
     std::vector<std::uint8_t> planes(count * length);
     in->getBytes(planes.data(), planes.size());
@@ -249,12 +259,19 @@ struct ChunkReader::Group {
 ChunkReader::ChunkReader() = default;
 ChunkReader::~ChunkReader() = default;
 
+bool ChunkReader::mayBe(const std::uint8_t* payload, std::size_t size) noexcept {
+  std::uint32_t magic = 0;
+  if (size < kChunkSpanSize + sizeof(magic)) return false;
+  std::memcpy(&magic, payload + kChunkSpanSize, sizeof(magic));
+  return magic == ZSTD_MAGICNUMBER;
+}
+
 bool ChunkReader::open(const FrameHeader& header, const std::uint8_t* payload) {
   groups_.clear();
   order_.clear();
   next_ = 0;
   number_ = header.number;
-  if (header.length < kChunkSpanSize) return false;
+  if (!mayBe(payload, header.length)) return false;
   const std::uint8_t* compressed = payload + kChunkSpanSize;
   const std::size_t compressed_size = header.length - kChunkSpanSize;
   const unsigned long long size = ZSTD_getFrameContentSize(compressed, compressed_size);
@@ -284,7 +301,7 @@ bool ChunkReader::readContents() {
   ByteReader in(contents_.data(), contents_.size());
   const auto records = in.get<std::uint32_t>();
   const auto groups = in.get<std::uint32_t>();
-  if (groups > std::numeric_limits<std::uint8_t>::max()) return false;
+  if (in.underflow() || records == 0 || groups > std::numeric_limits<std::uint8_t>::max()) return false;
   groups_.resize(groups);
   for (Group& group : groups_) {
     if (!group.readHeader(&in)) return false;

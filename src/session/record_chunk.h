@@ -18,7 +18,8 @@ constexpr std::uint16_t kChunkVersion = 1;
 constexpr std::size_t kChunkSpanSize = 16;            ///< [bytes] first and last tick, before what is compressed
 constexpr std::size_t kMaxChunkRecords = 2U << 20U;   ///< [bytes] of the frames in one chunk; 0.6 s of ticks
 constexpr std::size_t kMaxChunkContents = 8U << 20U;  ///< [bytes] that a reader takes memory for
-constexpr std::size_t kMaxChunkPayload = 4U << 20U;   ///< [bytes] compressed
+constexpr std::size_t kMaxChunkPayload = kMaxChunkRecords + (256U << 10U);  ///< [bytes] compressed, at worst
+constexpr Tick kMaxChunkTicks = 1000;                                       ///< [ms]
 
 /** Makes chunks. */
 class ChunkPacker {
@@ -50,6 +51,8 @@ class ChunkReader {
 
   /** @return false if this is no chunk; there are no records then. */
   bool open(const FrameHeader& header, const std::uint8_t* payload);
+  /** Whether `size` bytes of a payload look like the begin of a chunk's. Saves the work with other bytes. */
+  static bool mayBe(const std::uint8_t* payload, std::size_t size) noexcept;
   /** @param[out] payload valid until open(); `header.length` bytes. @return false behind the last. */
   bool next(FrameHeader* header, const std::uint8_t** payload);
   bool hasMore() const noexcept { return next_ < order_.size(); }

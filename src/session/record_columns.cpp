@@ -21,7 +21,7 @@ Forms columnForms(RecordType type, std::size_t length) {
                  ExecutionRecord, ExerciseRecord, ContactRecord, GapRecord, RecoveryRecord, SessionCounts>();
   const auto found = kForms.find(type);
   if (found == kForms.end()) return Forms(length, 1);
-  const auto add = [](std::size_t sum, std::uint8_t form) { return sum + (form & 0x0FU); };
+  const auto add = [](std::size_t sum, std::uint8_t form) { return sum + ColumnForm(form).width(); };
   const std::size_t size = std::accumulate(found->second.begin(), found->second.end(), std::size_t{0}, add);
   return size == length ? found->second : Forms(length, 1);
 }

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "column_code.h"
 #include "record_codec.h"
 #include "record_frame.h"
 
@@ -36,7 +37,7 @@ class ColumnFormWriter {
     } else if constexpr (std::is_arithmetic<T>::value || std::is_enum<T>::value) {
       constexpr bool kIsFloat = std::is_floating_point<T>::value;
       static_assert(!kIsFloat || sizeof(T) == 8, "float has no column form yet");
-      forms_.push_back(static_cast<std::uint8_t>(sizeof(T) | (kIsFloat ? 0x80U : 0U)));
+      forms_.push_back(static_cast<std::uint8_t>(sizeof(T) | (kIsFloat ? ColumnForm::kFloatBit : 0U)));
     } else {
       visitFields(*this, value);
     }

@@ -289,7 +289,7 @@ class ReaderTest(LogCase):
             self.assertEqual(log.requests["tick"].tolist(), [t for t in range(300) if first <= t <= last])
             self.assertTrue(log.clean)
             self.assertEqual(log.bad_bytes, 0)
-        unreadable = record(14, span(50, 149) + b"not compressed")
+        unreadable = record(14, span(50, 149) + compressed(b"")[:4] + b"not compressed")
         self.read(head + unreadable + chunk(records[150:250]))
         log = raven2_session.SessionLog(self.path, ticks=(200, 249))
         self.assertEqual((len(log.requests), log.bad_bytes), (50, 0))  # passed over, not looked at

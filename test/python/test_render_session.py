@@ -388,23 +388,25 @@ def test_simulate_from_log_is_resimulate(session, tmp_path):
 
 
 def change_a_joint(log, tick):
-    """Replaces the gold arm's first joint in this tick's record by the next larger number. Corrects the checksum."""
-    frame, crc = raven2_session.FRAME, raven2_session.CRC
-    data = bytearray(log.read_bytes())
-    kind = next(entry for entry in raven2_session.read_header(log)["records"] if entry["name"] == "tick")
-    layout = raven2_session.dtype_of(kind["fields"])
-    position = 0
-    while position < len(data):
-        _, number, _, size, _ = frame.unpack_from(data, position)
-        body = position + frame.size
-        if number == kind["type"] and np.frombuffer(data, layout, 1, body)["model"]["tick"][0] == tick:
-            joints = np.frombuffer(data, layout, 1, body)["model"]["arms"]["q"]
-            joints[0, 0, 0] = np.nextafter(joints[0, 0, 0], 10.0)
-            crc.pack_into(data, body + size, zlib.crc32(data[position:body + size]))
-            log.write_bytes(data)
-            return
-        position = body + size + crc.size
-    assert False, "no such tick"
+    """Replaces the gold arm's first joint in this tick's record by the next larger number. The log has plain records then."""
+    whole = raven2_session.SessionLog(log)
+    kinds = {entry["name"]: (entry["type"], entry["version"]) for entry in whole.header["records"]}
+    ticks = whole.ticks.copy()
+    ticks["model"]["arms"]["q"][ticks["model"]["tick"] == tick, 0, 0] = np.nextafter(whole.ticks["model"]["arms"]["q"][
+        ticks["model"]["tick"] == tick, 0, 0], 10.0)
+    # Inputs come before the tick that used them, as from a recorder that is late.
+    order = [name for name in kinds if name not in ("tick", "haptic", "counts")] + ["tick", "haptic", "counts"]
+    with open(log, "rb") as file:
+        head = file.read(raven2_session.FRAME.size)
+        head += file.read(raven2_session.FRAME.unpack(head)[3] + raven2_session.CRC.size)
+    number = 1
+    with open(log, "wb") as file:
+        file.write(head)
+        for name in order:
+            for row in ticks if name == "tick" else whole._arrays[name]:
+                framed = raven2_session.FRAME.pack(raven2_session.MAGIC, *kinds[name], row.nbytes, number) + row.tobytes()
+                file.write(framed + raven2_session.CRC.pack(zlib.crc32(framed)))
+                number += 1
 
 
 def test_simulate_from_log_says_where_the_bits_part(brief):

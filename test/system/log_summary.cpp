@@ -1,6 +1,6 @@
 // log_summary: reads names of logs from stdin. Prints a line for each: number of intact records of every kind, bad
-// bytes, truncated bytes. log_summary --make FILE: makes a small log with records of every kind. For the comparison
-// with the Python reader.
+// bytes, truncated bytes. log_summary --make FILE: makes a small log with records of every kind: plain ones, two
+// chunks, and plain ones. For the comparison with the Python reader.
 
 #include <cstdio>
 #include <iostream>
@@ -13,7 +13,8 @@ namespace {
 
 void make(const std::string& path) {
   LogWriter log(path, LogHeader{});
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 48; ++i) {
+    if (i == 6 || i == 24 || i == 42) log.commit();  // 6 and 18 ticks: 18 KB stay plain, 54 KB become a chunk
     TickRecord tick;
     tick.model.tick = i;
     log.write(tick);
@@ -21,8 +22,8 @@ void make(const std::string& path) {
     log.write(CommandRecord{i, {}});
     log.write(ContactRecord{});
     if (i % 4 == 0) log.write(RequestRecord{i, {}});
-    if (i == 6) log.write(PlanRecord{i, {}});
-    if (i == 8) log.write(GapRecord{});
+    if (i % 20 == 5) log.write(PlanRecord{i, {}});
+    if (i % 8 == 2) log.write(GapRecord{});
   }
   log.finish(SessionCounts{});
 }

@@ -322,7 +322,8 @@ def test_damaged_logs_are_read_alike_in_both_languages_and_lose_only_what_was_hi
         subprocess.run([tool, "--make", base], check=True)
         with open(base, "rb") as file:
             data = file.read()
-        ends = record_ends(data)
+        ends, records = record_ends(data)
+        assert max(records) > 50 and records.count(1) > 50, "chunks and plain records"
         source = random.Random(2017)
         paths, expected = [], []
         for n in range(effort(200, 1000)):
@@ -330,8 +331,9 @@ def test_damaged_logs_are_read_alike_in_both_languages_and_lose_only_what_was_hi
             flipped = bytearray(data)
             flipped[at] ^= 1 << source.randrange(8)
             cut = source.randrange(ends[0], len(data))
-            for name, content, left in ((f"flip{n}", bytes(flipped), len(ends) - 2),
-                                        (f"cut{n}", data[:cut], sum(end <= cut for end in ends) - 1)):
+            hit = next(i for i, end in enumerate(ends) if at < end)
+            for name, content, left in ((f"flip{n}", bytes(flipped), sum(records) - records[hit]),
+                                        (f"cut{n}", data[:cut], sum(count for end, count in zip(ends, records) if end <= cut))):
                 paths.append(os.path.join(folder, name))
                 expected.append(left)
                 with open(paths[-1], "wb") as file:
@@ -351,8 +353,12 @@ def test_damaged_logs_are_read_alike_in_both_languages_and_lose_only_what_was_hi
 
 
 def record_ends(data):
-    ends, position = [], 0
+    """Where each record ends, and how many it stands for: 0 the header, a chunk those up to the next one's number."""
+    ends, numbers, position = [], [], 0
     while position < len(data):
-        position += 24 + struct.unpack_from("<I", data, position + 8)[0]
+        size, number = struct.unpack_from("<IQ", data, position + 8)
+        position += 24 + size
         ends.append(position)
-    return ends
+        numbers.append(number)
+    counts = [after - number for number, after in zip(numbers, numbers[1:] + [numbers[-1] + 1])]
+    return ends, [0] + counts[1:]

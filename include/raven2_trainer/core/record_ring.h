@@ -37,7 +37,6 @@ std::uint64_t recordChecksum(const T& value, std::uint64_t index) noexcept {
  */
 template <typename T, std::size_t Capacity>
 class RecordRing {
-  static_assert(Capacity > 1, "one element would be full and empty at once");
   static_assert(std::is_trivially_copyable<T>::value, "elements are copied, never destroyed");
 
  public:

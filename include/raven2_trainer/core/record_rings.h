@@ -8,7 +8,7 @@ namespace raven2_trainer {
 /**
  * The queues from the 1 kHz loops to the recorder, in one piece of memory without pointers, so that it can be a mapped
  * file (session::FlightRecorder). About 10 MiB: half a second of ticks that wait for their chunk, and 2 s for a disk
- * that refuses.
+ * that refuses. Of every kind a third may wait (recording::Recorder).
  */
 struct RecordRings {
   // physics -> recorder
@@ -16,19 +16,19 @@ struct RecordRings {
   // haptic -> recorder
   RecordRing<HapticRecord, 2560> haptics;
   // physics -> recorder
-  RecordRing<CommandRecord, 4096> commands;
+  RecordRing<CommandRecord, 6144> commands;
   // physics -> recorder
-  RecordRing<RequestRecord, 512> requests;
+  RecordRing<RequestRecord, 768> requests;
   // physics -> recorder
-  RecordRing<PlanRecord, 8> plans;
+  RecordRing<PlanRecord, 12> plans;
   // physics -> recorder
-  RecordRing<FaultRecord, 16> faults;
+  RecordRing<FaultRecord, 24> faults;
   // physics -> recorder
   RecordRing<ContactRecord, 12288> contacts;
   // physics -> recorder
-  RecordRing<FaultChangeRecord, 2048> changes;
+  RecordRing<FaultChangeRecord, 3072> changes;
   // physics -> recorder
-  RecordRing<ExecutionRecord, 8> executions;
+  RecordRing<ExecutionRecord, 12> executions;
   // physics -> recorder
   RecordRing<ExerciseRecord, 6144> exercises;
 

@@ -26,7 +26,8 @@ namespace raven2_trainer {
 
 /**
  * The one struct that the daemon's threads share. Every cell has one writer, every ring one producer and one consumer:
- * the threads on the line above (doc/architecture.md). No locks. About 11 MiB: allocate on the heap, once.
+ * the threads on the line above (doc/architecture.md). No locks. About 13 MiB with its queues: allocate on the heap,
+ * once.
  */
 struct SharedState {
   /** Creates its record queues. */

@@ -34,7 +34,7 @@ class Recorder {
            session::FlightRecorder* flight = nullptr);
 
   /** Takes the memory for a batch of all that the queues hold, some 30 MiB: a recorder that comes late needs no more
-   *  then. For one that has its own thread; in lockstep no batch is large. @throw std::bad_alloc. */
+   *  then. For one that has its own thread; in lockstep it is taken as it is needed. @throw std::bad_alloc. */
   void takeMemory();
 
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/record.h"
+#include "raven2_trainer/core/record_rings.h"
 
 namespace raven2_trainer::session {
 
@@ -26,7 +27,7 @@ struct ReplayInstant {
 class ReplayTimeline {
  public:
   /** [ticks] Length of the longest batch: that of the recorder's tick queue (SharedState::tick_records). */
-  static constexpr Tick kLongestBatch = 2560;
+  static constexpr Tick kLongestBatch = decltype(RecordRings::ticks)::kCapacity;
 
   /**
    * @param[in] period [1 ms] least time between instants, at least 1.

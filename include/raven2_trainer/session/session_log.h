@@ -82,7 +82,7 @@ class LogWriter {
 
   template <typename T>
   void write(const T& record);
-  /** Allocates a batch of `bytes` and touches every page, so that write() and commit() need not allocate. */
+  /** Allocates a batch of `bytes` and touches every page, so that write() need not allocate, and commit() hardly. */
   void reserve(std::size_t bytes);
   /**
    * Appends the batch. @return false if the write fails: the file is unchanged, the batch is discarded, and error()

@@ -282,7 +282,7 @@ TEST_F(WaitingRecorderTest, WritesHalfASecondAtATime) {
 }
 
 TEST_F(WaitingRecorderTest, WritesBeforeAQueueIsMoreThanAThirdFull) {
-  for (std::size_t i = 0; i < decltype(RecordRings::plans)::kCapacity / 3; ++i)
+  for (std::size_t i = 0; i + 1 < decltype(RecordRings::plans)::kCapacity / 3; ++i)
     queues->plan_records.tryPush(PlanRecord{});
   recorder->drain(kSecond);
   EXPECT_FALSE(hasGrown());

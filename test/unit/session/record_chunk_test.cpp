@@ -56,6 +56,8 @@ TEST(Columns, AreKeptAsTheDifferencesThatAreSmallest) {
   EXPECT_EQ(encode(ColumnForm(1), std::vector<std::uint8_t>{10, 20, 30, 40, 50}).planes, (Bytes{20, 0, 0, 0, 0}));
   EXPECT_EQ(encode(ColumnForm(1), std::vector<std::uint8_t>{10, 20, 30, 40, 50}).order, 2);
   EXPECT_EQ(encode(ColumnForm(1), std::vector<std::uint8_t>{100, 99, 100, 99, 99}).planes, (Bytes{200, 1, 2, 1, 0}));
+  EXPECT_EQ(encode(ColumnForm(1), std::vector<std::uint8_t>{7, 7, 7}).planes, (Bytes{14, 0, 0}));
+  EXPECT_EQ(encode(ColumnForm(1), std::vector<std::uint8_t>{0, 0, 0}).order, 0);
   const Coded rare = encode(ColumnForm(1), std::vector<std::uint8_t>{0, 0, 200, 0, 0});
   EXPECT_EQ(rare.order, 0) << "differences would say it twice";
   EXPECT_EQ(rare.planes, (Bytes{0, 0, 200, 0, 0}));
