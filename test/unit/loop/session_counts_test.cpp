@@ -117,9 +117,9 @@ TEST(SessionCounts, OfTheSharedStateAreThoseOfEveryRing) {
     shared->requests.tryPush(request);
   for (int i = 0; i < 5; ++i)
     shared->requests.tryPop(&request);
-  for (int i = 0; i < 20; ++i)
+  for (std::size_t i = 0; i < decltype(RecordRings::faults)::kCapacity + 4; ++i)
     shared->fault_records.tryPush({});
-  for (int i = 0; i < 4097; ++i)
+  for (std::size_t i = 0; i < decltype(RecordRings::exercises)::kCapacity + 1; ++i)
     shared->exercise_records.tryPush({});
   shared->pedal_requests.tryPush(request);
   const SessionCounts counts = sharedCounts(*shared);
