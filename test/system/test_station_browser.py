@@ -416,13 +416,17 @@ def test_a_gamepad_moves_both_arms(station, browser):
     browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
     browser.click("drive")
     time.sleep(0.4)  # the console watches a device for 0.2 s before its pedal counts
-    before = [tip(station, arm) for arm in ("arm1", "arm2")]
-    browser.driver.execute_script("pad.buttons[4].pressed = true")
-    browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the shoulder button is the pedal")
-    browser.driver.execute_script("pad.axes = [0.6, 0, -0.6, 0]")
-    time.sleep(1.0)
-    browser.driver.execute_script("pad.axes = [0, 0, 0, 0]; pad.buttons[4].pressed = false")
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "the pedal is up")
+    for _ in range(3):  # as a person does, presses again if the page asks for it: a busy machine stalled the page
+        before = [tip(station, arm) for arm in ("arm1", "arm2")]
+        browser.driver.execute_script("pad.buttons[4].pressed = true")
+        browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the shoulder button is the pedal")
+        browser.driver.execute_script("pad.axes = [0.6, 0, -0.6, 0]")
+        time.sleep(1.0)
+        was_refused = is_refused(browser)
+        browser.driver.execute_script("pad.axes = [0, 0, 0, 0]; pad.buttons[4].pressed = false")
+        browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "the pedal is up")
+        if not was_refused:
+            break
     gold, green = ([1e3 * (a - b) for a, b in zip(tip(station, arm), old)] for arm, old in zip(("arm1", "arm2"), before))
     assert gold[1] < -5.0 and green[1] > 5.0, f"gold right, green left: {gold}, {green} mm"
     browser.driver.switch_to.window(browser.driver.window_handles[0])
