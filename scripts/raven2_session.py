@@ -11,6 +11,7 @@ that list, so this module knows no field by name. Format: doc/session.md.
     session.metrics["model_robot_error_mm"]["mean"]
 """
 
+import collections
 import ctypes
 import ctypes.util
 import fcntl
@@ -231,11 +232,12 @@ class SessionLog:
         return last < self._span[0] or first > self._span[1]
 
     def _chunk_groups(self, payload, known):
-        """[(type, records)] that can be used, and whether that is all of known types. @throw ValueError."""
+        """[(type, records, place)] that can be used, and whether that is all of known types. @throw ValueError."""
         if self._is_outside(payload):
             return [], True
-        ours = [group for group in _Chunk(payload).heads if group[0] in known and known[group[0]][0] == group[1]]
-        usable = [(group[0], group[2]) for group in ours if group.length == known[group[0]][1]]
+        ours = [(place, group) for place, group in enumerate(_Chunk(payload).groups)
+                if group.kind in known and known[group.kind][0] == group.version]
+        usable = [(group.kind, group.count, place) for place, group in ours if group.length == known[group.kind][1]]
         return usable, len(usable) == len(ours)
 
     def _within_span(self, name, array):
@@ -246,9 +248,9 @@ class SessionLog:
         return array[(ticks >= self._span[0]) & (ticks <= self._span[1])]
 
     def _scan(self, data, position, end, known):
-        """[(offset, [(type, records)], size of the chunk or 0)] of what is intact, for records of known types and lengths."""
+        """[(offset, [(type, records, place in the chunk)], size of the chunk or 0)] of what is intact, of known types and lengths."""
         found = []
-        plain = {number: ((number, 1),) for number in known}
+        plain = {number: ((number, 1, 0),) for number in known}
         skipped_from = None  # start of a stretch without an intact record
         cut = False
         while position < end:
@@ -291,17 +293,17 @@ class SessionLog:
 def _gathered(data, found, sizes):
     """The records of each type, one behind the other. Chunks are read a second time, which saves their memory."""
     totals = dict.fromkeys(sizes, 0)
-    for number, count in (group for _, groups, _ in found for group in groups):
+    for number, count, _ in (group for _, groups, _ in found for group in groups):
         totals[number] += count * sizes[number]
     rows = {number: memoryview(bytearray(total)) for number, total in totals.items()}
     ends = dict.fromkeys(sizes, 0)
     for offset, groups, chunk_size in found:
         chunk = _Chunk(data[offset : offset + chunk_size]) if chunk_size else None
-        for number, count in groups:
+        for number, count, place in groups:
             begin, size = ends[number], sizes[number]
             ends[number] = end = begin + count * size
             if chunk:
-                chunk.read(number, np.frombuffer(rows[number][begin:end], np.uint8).reshape(count, size))
+                _read_rows(chunk.groups[place], np.frombuffer(rows[number][begin:end], np.uint8).reshape(count, size))
             else:
                 rows[number][begin:end] = data[offset : offset + size]
     return {number: view.toreadonly() for number, view in rows.items()}
@@ -334,17 +336,12 @@ def _contents(payload):
     return contents
 
 
-class _Group(tuple):
-    """(type, version, records) of a chunk. `length`: bytes of a record."""
-
-    def __new__(cls, kind, version, count, forms, orders, planes):
-        self = super().__new__(cls, (kind, version, count))
-        self.forms, self.orders, self.planes, self.length = forms, orders, planes, int((forms & 0x0F).sum())
-        return self
+# Records of a chunk that are alike; length: bytes of each.
+_Group = collections.namedtuple("_Group", "kind version count length forms orders planes")
 
 
 class _Chunk:
-    """A chunk's groups; `read` gives the records of one. @throw ValueError for what no writer makes."""
+    """`groups` of a chunk. @throw ValueError for what no writer makes."""
 
     def __init__(self, payload):
         contents = _contents(payload[CHUNK_SPAN.size :])
@@ -360,7 +357,7 @@ class _Chunk:
         position += len(order)
         if len(order) != records or np.bincount(order, minlength=count).tolist() != [head[2] for head in heads]:
             raise ValueError("not the records that it names")
-        self.heads = []
+        self.groups = []
         for kind, version, rows, columns in heads:
             forms, orders = contents[position : position + 2 * columns].reshape(2, columns)
             position += 2 * columns
@@ -369,19 +366,15 @@ class _Chunk:
                     or orders.max() > MAX_ORDER or position + rows * length > len(contents)):
                 raise ValueError("no group of records")
             planes = contents[position : position + rows * length]
-            self.heads.append(_Group(kind, version, rows, forms, orders, planes))
+            self.groups.append(_Group(kind, version, rows, length, forms, orders, planes))
             position += rows * length
         if position != len(contents):
             raise ValueError("too long")
 
-    def read(self, kind, into):
-        group = next(group for group in self.heads if group[0] == kind and group.length == into.shape[1] and group[2] == len(into))
-        _read_rows(group, into)
-
 
 @functools.lru_cache(maxsize=64)
 def _layout(forms):
-    """Offsets of the numbers in their record, and stretches (form, columns, first, end) of numbers of the same form side by side."""
+    """[(form, columns, stretches)]; a stretch (first, end, offset in the record) is columns that lie side by side."""
     forms = np.frombuffer(forms, np.uint8)
     offsets = np.concatenate([[0], np.cumsum(forms & 0x0F, dtype=np.int64)])
     blocks = []
@@ -444,7 +437,8 @@ def _look(data, position, end, limit=MAX_PAYLOAD):
     body = position + FRAME.size + size
     if body + CRC.size > end:
         return "cut", 0, 0, 0
-    if kind == CHUNK[0] and version == CHUNK[1] and data[position + FRAME.size + CHUNK_SPAN.size : position + FRAME.size + CHUNK_SPAN.size + 4] != ZSTD_MAGIC:
+    begin = position + FRAME.size + CHUNK_SPAN.size
+    if (kind, version) == CHUNK and data[begin : begin + len(ZSTD_MAGIC)] != ZSTD_MAGIC:
         return "bad", 0, 0, 0  # the CRC of what is so long takes time
     intact = zlib.crc32(data[position:body]) == CRC.unpack_from(data, body)[0]
     return ("intact" if intact else "bad"), kind, version, size

@@ -115,7 +115,7 @@ class Supervisor:
     def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None, config=""):
         self._programs, self._sessions = pathlib.Path(programs), pathlib.Path(sessions)
         self._known, self._changed, self._progress, self._robot = known, changed, progress, robot
-        self._config = ["--config", str(config)] if config else []
+        self._config = pathlib.Path(config) if config else None
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
         self._processes = {}
         self._choice = self._directory = None
@@ -200,7 +200,8 @@ class Supervisor:
         raise Refused("the session folder is full of sessions of this second")
 
     def _arguments(self, choice):
-        arguments = [*self._config, "--seed", str(choice.seed)]
+        arguments = ["--config", str(self._config)] if self._config else []
+        arguments += ["--seed", str(choice.seed)]
         if choice.curriculum:
             arguments += ["--curriculum", choice.curriculum]
         if choice.trainee:
@@ -225,13 +226,17 @@ class Supervisor:
             far_master, far_force, far_sight = (free_port(udp, port, taken) for port in (26020, 26021, 26022))
             far = self._ports(far_master, robot, far_force, far_sight, state)
             await self._launch("impair", ["--udp", f"{far_master}:127.0.0.1:{master}", "--udp", f"{force}:127.0.0.1:{far_force}",
-                                          "--udp", f"{sight}:127.0.0.1:{far_sight}", "--profile", choice.link,
+                                          "--udp", f"{sight}:127.0.0.1:{far_sight}", "--profile", self._profile(choice.link),
                                           "--seed", str(choice.seed)])
         await self._launch("master_console", [*self._hands(choice), *common, *far])
         where = ["--robot-host", self._robot] if self._robot else []
         await self._launch("simulator", ["--duration", "0", "--output", str(self._directory), "--motion-label", choice.driver,
                                          *where, *common, *ports])
         await self._await_log()
+
+    def _profile(self, link):
+        """For `impair`, which takes a preset of the package or a file."""
+        return str(self._config.parent / "impairments" / f"{link}.yaml") if self._config else link
 
     @staticmethod
     def _ports(master, robot, force, sight, state):

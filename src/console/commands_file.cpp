@@ -14,8 +14,8 @@ namespace {
 constexpr std::size_t kPerArm = 8;
 constexpr std::size_t kColumns = 2 + 2 * kPerArm;
 constexpr double kMostTicks = 1e9;
-// The limits of a packet are checked behind the console. Here: all that the console can make whole micrometres and
-// milliradians of. A jaw command adds up while the jaws do not follow.
+// The daemon checks each packet against its own limits. These only keep the console's whole numbers from overflowing.
+// A jaw command adds up while the jaws do not follow.
 constexpr double kMostMotion = 1.0;   ///< [m] in a millisecond
 constexpr double kMostJaw = 1e5;      ///< [rad]
 constexpr double kUnitWithin = 1e-6;  ///< of a quaternion's length
@@ -116,16 +116,16 @@ class CommandsOfFile : public CommandedSource {
       return rest;
     }
     const CommandRow& row = rows_[row_];
-    if (++done_ == row.ticks) {
+    if (++ticks_ == row.ticks) {
       ++row_;
-      done_ = 0;
+      ticks_ = 0;
     }
     return row.command;
   }
 
   const std::vector<CommandRow> rows_;
   std::size_t row_{0};
-  std::uint32_t done_{0};  ///< ticks of this row
+  std::uint32_t ticks_{0};  ///< of this row
 };
 
 }  // namespace

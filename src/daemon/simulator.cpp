@@ -263,8 +263,8 @@ struct Simulator::Impl {
 
   /** The log first: on a full disk it has reserved room, and gives some back. */
   void writeFiles() {
-    recorder.drain(net::monotonicNow() + kLastTryNs,
-                   /*at_once=*/true);  // a last try, due or not; the counts include it
+    // A last try, due or not; the counts include it.
+    recorder.drain(net::monotonicNow() + kLastTryNs, /*at_once=*/true);
     try {
       recorder.finish(counts());
       meta.flight_recorder = "removed";

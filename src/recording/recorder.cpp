@@ -142,7 +142,7 @@ Recorder::Recorder(const TrainerConfig& config,
   collected_ = written_;
   if (flight_ == nullptr) return;
   flight_->attach(paths);
-  flight_->checkpoint({log_.position(), {}, {}});
+  flight_->checkpoint({log_.position(), written_.tails, {}});
 }
 
 void Recorder::takeMemory() {

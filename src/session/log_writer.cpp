@@ -20,7 +20,7 @@ namespace raven2_trainer::session {
 
 namespace {
 
-/** [bytes] A batch that nobody commits is written at this size; the recorder's largest, all queues full, is 10 MiB. */
+/** [bytes] A batch without a commit is written at this size; the recorder's largest, all queues full, is 10 MiB. */
 constexpr std::size_t kMaxBatch = 16U << 20U;
 constexpr std::size_t kWorthAChunk = 32U << 10U;  // [bytes] a smaller batch, 10 ms, is written as it is
 constexpr int kLockTries = 20;

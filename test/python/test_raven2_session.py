@@ -312,6 +312,13 @@ class ReaderTest(LogCase):
         self.assertEqual(log.requests["tick"].tolist(), [7, 8])
         self.assertEqual(log.bad_bytes, len(record(14, b"not compressed")))
 
+    def test_two_groups_of_one_kind_are_both_read(self):
+        heads = struct.pack("<II", 2, 2) + 2 * struct.pack("<HHII", 4, 1, 1, 2) + bytes([0, 1])
+        groups = b"".join(bytes([8, 1, 0, 0]) + struct.pack("<qB", tick, 3) for tick in (5, 9))
+        log = self.read(header_record() + record(14, span(5, 9) + compressed(heads + groups)))
+        self.assertEqual(log.requests["tick"].tolist(), [5, 9])
+        self.assertEqual(log.bad_bytes, 0)
+
     def test_passes_over_kinds_and_versions_it_does_not_know(self):
         log = self.read(header_record() + record(99, b"new") + record(4, b"longer than before", version=2) + request(8))
         self.assertEqual(log.requests["tick"].tolist(), [8])

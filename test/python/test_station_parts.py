@@ -187,6 +187,7 @@ def test_an_educators_own_configuration_is_offered_and_used(known, tmp_path):
     boss = supervisor.Supervisor(tmp_path, tmp_path, ours, lambda: None, lambda *_: ([], 0), config=tmp_path / "ours/trainer.yaml")
     used = boss._arguments(supervisor.Choice({**GOOD, "curriculum": "tuesday"}, ours))
     assert used[:2] == ["--config", str(tmp_path / "ours/trainer.yaml")] and used[used.index("--curriculum") + 1] == "tuesday"
+    assert boss._profile("wifi") == str(tmp_path / "ours/impairments/wifi.yaml") and supervise(tmp_path, known)._profile("wifi") == "wifi"
     (tmp_path / "ours/curricula/tuesday.yaml").write_text("title: [")
     with pytest.raises(ValueError, match="tuesday.yaml"):
         library.Library(ROOT, tmp_path / "ours")

@@ -11,10 +11,9 @@
 namespace raven2_trainer::console {
 
 /**
- * Commands as a file (doc/python.md): a program that drives a recorded simulation leaves one, and `simulate` does the
- * same with it. A line has the number of milliseconds and the command of each of them, from the console's first one on;
- * so the robot must need as long to be ready as it did then.
- * Numbers are written such that they are read as the same bits.
+ * Commands as a file (doc/python.md): a recorded Python session has one, and `simulate` repeats it. A line has a number
+ * of milliseconds and the command of each of them, from the console's first one on. So the robot has to become ready
+ * after the same time as then. Numbers are written such that they are read as the same bits.
  */
 struct CommandRow {
   std::uint32_t ticks{};  ///< [1 ms] with the same command
@@ -37,7 +36,7 @@ class CommandWriter {
  public:
   explicit CommandWriter(std::ostream* stream);
   void add(const HandsCommand& command);
-  /** Writes the milliseconds that the next command could still have made more. */
+  /** Writes the last line, which add() leaves open for further equal commands. */
   void flush();
 
  private:

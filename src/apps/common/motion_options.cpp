@@ -15,8 +15,7 @@ constexpr double kLongestReaction = 60000.0;  // [ms]
 void MotionOptions::add(CLI::App* app) {
   app->add_option("--motion", motion,
                   "Simulated surgeon: scripted, recording:FILE (CSV of tip positions), expert or clumsy:NAME "
-                  "(doc/exercises.md); in "
-                  "simulate also commands:FILE (of a Python session)")
+                  "(doc/exercises.md); in simulate also commands:FILE (of a Python session)")
       ->capture_default_str();
   app->add_option("--reaction", reaction,
                   "Time from a force to the pedal-up [ms]; none: the simulated surgeon never reacts")
