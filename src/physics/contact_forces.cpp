@@ -61,7 +61,9 @@ void ContactForces::restore(const SceneSnapshot& snapshot) noexcept {
 }
 
 void ContactForces::report(std::uint32_t unseen, ContactList* list) const noexcept {
-  *list = ContactList{};
+  std::fill_n(list->contacts.begin(), list->count, Contact{});  // the others are as empty as they were made
+  list->tick = {};
+  list->count = 0;
   list->dropped = unseen;
   for (std::size_t i = 0; i < count_; ++i) {
     if (!acts(records_[i])) continue;

@@ -120,17 +120,17 @@ void ArmDynamics::merge(Body* body, const model::Inertial& inertial, const Pose&
   body->mass = total;
 }
 
-Matrix6 ArmDynamics::spatialInertia(std::size_t joint) const noexcept {
+/** Spatial inertia of a joint's links about the origin of W. */
+void ArmDynamics::placeInertia(std::size_t joint) noexcept {
   const Body& body = bodies_[joint];
   const Pose& X = X_WL_[joint];
   const Matrix3 mc = skew(body.mass * (X * body.com));
   const Matrix3 c = skew(X * body.com);
-  Matrix6 I;
+  Matrix6& I = inertia_[joint];
   I.topLeftCorner<3, 3>() = X.R * body.inertia * X.R.transpose() - mc * c;
   I.topRightCorner<3, 3>() = mc;
   I.bottomLeftCorner<3, 3>() = -mc;
   I.bottomRightCorner<3, 3>() = body.mass * Matrix3::Identity();
-  return I;
 }
 
 void ArmDynamics::update(const Vector7& q, const Vector7& dq) noexcept {
@@ -149,7 +149,7 @@ void ArmDynamics::update(const Vector7& q, const Vector7& dq) noexcept {
     }
     velocity_[j] = S_[j] * dq[k];
     if (body.parent >= 0) velocity_[j] += velocity_[parent];
-    inertia_[j] = spatialInertia(j);
+    placeInertia(j);
   }
 }
 

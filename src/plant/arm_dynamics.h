@@ -53,7 +53,7 @@ class ArmDynamics {
   void buildBody(const model::RavenModel& raven, Arm arm, std::size_t joint);
   void addFixedLinks(const model::RavenModel& raven, Arm arm);
   static void merge(Body* body, const model::Inertial& inertial, const Pose& X_BodyLink);
-  Matrix6 spatialInertia(std::size_t joint) const noexcept;
+  void placeInertia(std::size_t joint) noexcept;
 
   std::array<Body, kJointCount> bodies_;
   std::array<Pose, kJointCount> X_WL_;

@@ -1,9 +1,9 @@
 #include "plant/arm_plant.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "plant/inverse7.h"
 #include "raven2_trainer/raven/board_channels.h"
 
 namespace raven2_trainer::plant {
@@ -69,6 +69,7 @@ void ArmPlant::readAxes(const VirtualRavenConfig& config) {
     coulomb_[7 + k] = axis.link_coulomb;
     brake_[k] = j <= kInsertion ? kBrakeTorque / gear : 0.0;
   }
+  damping_ = inverse_.transpose() * (kStep * link_damping_).asDiagonal() * inverse_;
 }
 
 void ArmPlant::leadMotors(const Vector7& position, const Vector7& rate) noexcept {
@@ -120,9 +121,9 @@ void ArmPlant::subStep(const Vector7& torque, const FrictionSolver::Vector& fric
 void ArmPlant::solveRigid(const Vector7& torque) noexcept {
   Matrix7 inertia = inverse_.transpose() * dynamics_.massMatrix() * inverse_;
   inertia.diagonal() += armature_;
-  Matrix7 implicit = inertia + inverse_.transpose() * (kStep * link_damping_).asDiagonal() * inverse_;
+  Matrix7 implicit = inertia + damping_;
   implicit.diagonal() += kStep * motor_damping_;
-  const Matrix7 W = implicit.llt().solve(Matrix7::Identity());
+  const Matrix7 W = Inverse7(implicit).matrix();
   const Vector7 load = inverse_.transpose() * dynamics_.bias();
   free_.head<7>().noalias() = W * (inertia * motor_rate_ + kStep * (torque - load));
   free_.tail<7>().noalias() = inverse_ * free_.head<7>();
@@ -147,7 +148,7 @@ void ArmPlant::solveElastic(const Vector7& torque) noexcept {
   const Matrix7 M = dynamics_.massMatrix();
   Matrix7 S = M + coupling_.transpose() * series.asDiagonal() * coupling_;
   S.diagonal() += kStep * link_damping_;
-  const Matrix7 Y_qq = S.llt().solve(Matrix7::Identity());
+  const Matrix7 Y_qq = Inverse7(S).matrix();
   const Matrix7 Y_mq = ratio.asDiagonal() * (coupling_ * Y_qq);
 
   const Vector7 rhs_m = armature_.cwiseProduct(motor_rate_) + kStep * (torque - tension);

@@ -65,6 +65,7 @@ class ArmPlant {
   ArmDynamics dynamics_;
   FrictionSolver friction_solver_;
   Vector7 armature_, motor_damping_, link_damping_;  // [kg m2], [Nms/rad] at the shaft; [Nms/rad; Ns/m] at the joint
+  Matrix7 damping_;  // [kg m2] sub-step times the joints' viscous friction, at the motor shafts
   Vector7 cable_stiffness_, cable_damping_;          // [Nm/rad, Nms/rad] at the shaft
   FrictionSolver::Vector coulomb_, brake_;           // [Nm] motors, [Nm; N] joints
   Vector7 stop_low_, stop_high_;

@@ -69,12 +69,69 @@ std::uint8_t bestOrder(const std::vector<std::uint64_t>& numbers, unsigned bits)
   return static_cast<std::uint8_t>(best);
 }
 
+/** n[i] - n[i - 1], of the first the number itself. */
+void subtractBefore(std::vector<std::uint64_t>* numbers) noexcept {
+  std::uint64_t before = 0;
+  for (std::uint64_t& number : *numbers)
+    number -= std::exchange(before, number);
+}
+
 void sum(std::vector<std::uint64_t>* numbers) noexcept {
   for (std::size_t i = 1; i < numbers->size(); ++i)
     (*numbers)[i] += (*numbers)[i - 1];
 }
 
+/** One number of each record. */
+template <typename Word>
+class Rows {
+ public:
+  Rows(const std::uint8_t* values, std::size_t stride, std::size_t rows) noexcept
+      : values_(values), stride_(stride), rows_(rows) {}
+
+  Word operator[](std::size_t i) const noexcept {
+    Word word;
+    std::memcpy(&word, values_ + i * stride_, sizeof(word));
+    return word;
+  }
+
+  bool areEqual() const noexcept {
+    for (std::size_t i = 1; i < rows_; ++i) {
+      if ((*this)[i] != (*this)[0]) return false;
+    }
+    return true;
+  }
+
+  /** All of them, or only the first if the others are equal to it. */
+  void read(std::vector<std::uint64_t>* numbers) const {
+    numbers->resize(areEqual() ? std::min<std::size_t>(rows_, 1) : rows_);
+    for (std::size_t i = 0; i < numbers->size(); ++i)
+      (*numbers)[i] = (*this)[i];
+  }
+
+ private:
+  const std::uint8_t* values_;
+  std::size_t stride_, rows_;
+};
+
 }  // namespace
+
+void ColumnCoder::read(ColumnForm form, const std::uint8_t* values, std::size_t stride, std::size_t rows) {
+  switch (form.width()) {
+    case 1:
+      Rows<std::uint8_t>(values, stride, rows).read(&numbers_);
+      break;
+    case 2:
+      Rows<std::uint16_t>(values, stride, rows).read(&numbers_);
+      break;
+    case 4:
+      Rows<std::uint32_t>(values, stride, rows).read(&numbers_);
+      break;
+    default:
+      Rows<std::uint64_t>(values, stride, rows).read(&numbers_);
+      break;
+  }
+  if (form.isFloat()) std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(), ordered);
+}
 
 std::uint8_t ColumnCoder::encode(ColumnForm form,
                                  const std::uint8_t* values,
@@ -82,27 +139,22 @@ std::uint8_t ColumnCoder::encode(ColumnForm form,
                                  std::size_t rows,
                                  std::uint8_t* planes,
                                  std::size_t plane_stride) {
-  const std::size_t width = form.width();
-  const auto bits = static_cast<unsigned>(8 * width);
-  numbers_.assign(rows, 0);
-  bool is_constant = true;
-  for (std::size_t i = 0; i < rows; ++i) {
-    std::memcpy(&numbers_[i], values + i * stride, width);
-    if (form.isFloat()) numbers_[i] = ordered(numbers_[i]);
-    is_constant = is_constant && numbers_[i] == numbers_[0];
-  }
-  // Most numbers of a tick do not change for seconds.
-  const bool is_zero = is_constant && (rows == 0 || numbers_[0] == 0);
-  const std::uint8_t order = is_constant ? (is_zero ? 0 : 1) : bestOrder(numbers_, bits);
+  const auto bits = static_cast<unsigned>(8 * form.width());
+  read(form, values, stride, rows);
+  // Most numbers of a tick do not change for seconds: one number, and then differences of zero.
+  const bool is_zero = rows == 0 || (numbers_.size() == 1 && numbers_[0] == 0);
+  const std::uint8_t order = numbers_.size() < rows || rows <= 1 ? (is_zero ? 0 : 1) : bestOrder(numbers_, bits);
+  for (std::uint8_t k = 0; k < order; ++k)
+    subtractBefore(&numbers_);
   if (order > 0) {
-    Differences differences;
-    std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(),
-                   [&](std::uint64_t number) { return folded(differences.next(number)[order], bits); });
+    for (std::uint64_t& number : numbers_)
+      number = folded(number, bits);
   }
-  for (std::size_t b = 0; b < width; ++b) {
+  for (std::size_t b = 0; b < form.width(); ++b) {
     std::uint8_t* plane = planes + b * plane_stride;
-    for (std::size_t i = 0; i < rows; ++i)
+    for (std::size_t i = 0; i < numbers_.size(); ++i)
       plane[i] = static_cast<std::uint8_t>(numbers_[i] >> (8 * b));
+    std::fill(plane + numbers_.size(), plane + rows, std::uint8_t{0});
   }
   return order;
 }

@@ -56,7 +56,9 @@ class ColumnCoder {
               std::size_t stride);
 
  private:
-  std::vector<std::uint64_t> numbers_;
+  void read(ColumnForm form, const std::uint8_t* values, std::size_t stride, std::size_t rows);
+
+  std::vector<std::uint64_t> numbers_;  // of a column; in encode() only the first if all are equal
 };
 
 }  // namespace raven2_trainer::session

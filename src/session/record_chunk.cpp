@@ -138,7 +138,7 @@ struct ChunkPacker::Impl {
   void writeGroup(const Group& group) {
     const std::size_t rows = group.count;
     std::vector<std::uint8_t>& planes = coded;  // column by column
-    planes.resize(group.rows.size());
+    if (planes.size() < group.rows.size()) planes.resize(group.rows.size());
     orders.clear();
     std::size_t offset = 0;
     for (const std::uint8_t form : group.forms) {
@@ -149,7 +149,7 @@ struct ChunkPacker::Impl {
     contents.insert(contents.end(), group.forms.begin(), group.forms.end());
     contents.insert(contents.end(), orders.begin(), orders.end());
     const std::size_t data = contents.size();
-    contents.resize(data + planes.size());
+    contents.resize(data + group.rows.size());
     const std::vector<Place> places = placesOf(group.forms, orders, rows);
     const std::uint8_t* plane = planes.data();
     for (std::size_t c = 0; c < places.size(); ++c) {
@@ -159,10 +159,10 @@ struct ChunkPacker::Impl {
   }
 
   void writeChunk(std::vector<std::uint8_t>* chunks) {
-    const std::size_t begin = chunks->size();
     const std::size_t bound = ZSTD_compressBound(contents.size());
-    chunks->resize(begin + kFrameHeaderSize + kChunkSpanSize + bound + kCrcSize);
-    std::uint8_t* frame = chunks->data() + begin;
+    const std::size_t room = kFrameHeaderSize + kChunkSpanSize + bound + kCrcSize;
+    if (chunk.size() < room) chunk.resize(room);
+    std::uint8_t* frame = chunk.data();
     ByteWriter span(frame + kFrameHeaderSize, kChunkSpanSize);
     span.put(first_tick);
     span.put(last_tick);
@@ -173,7 +173,7 @@ struct ChunkPacker::Impl {
     encodeFrameHeader({kMagic, RecordType::kChunk, kChunkVersion, static_cast<std::uint32_t>(length), first}, frame);
     const std::uint32_t crc = crc32Of(frame, kFrameHeaderSize + length);
     std::memcpy(frame + kFrameHeaderSize + length, &crc, kCrcSize);
-    chunks->resize(begin + kFrameHeaderSize + length + kCrcSize);
+    chunks->insert(chunks->end(), frame, frame + kFrameHeaderSize + length + kCrcSize);
   }
 
   /** The groups keep their memory for the next chunk. */
@@ -191,7 +191,8 @@ struct ChunkPacker::Impl {
   std::unique_ptr<ZSTD_CCtx, ZstdDelete> zstd{ZSTD_createCCtx()};
   std::deque<Group> groups;  // does not move its elements
   std::vector<Group*> used;  // in this chunk
-  std::vector<std::uint8_t> order, contents, coded, orders;
+  std::vector<std::uint8_t> order, contents, orders;
+  std::vector<std::uint8_t> coded, chunk;  // only grow
   std::uint64_t first{0};  // number of the first record
   Tick first_tick{0}, last_tick{0};
   ColumnCoder coder;

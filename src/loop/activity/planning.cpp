@@ -42,6 +42,7 @@ void Planning::planBySchedule() noexcept {
 }
 
 void Planning::takeResults() noexcept {
+  if (stage_.shared.plan_results.front() == nullptr) return;  // in nearly every tick, and a result is 4 KB to make
   PlanResult result;
   while (stage_.shared.plan_results.tryPop(&result)) {
     const bool is_awaited = store_.isAwaited(result);
