@@ -142,8 +142,8 @@ std::uint8_t ColumnCoder::encode(ColumnForm form,
   const auto bits = static_cast<unsigned>(8 * form.width());
   read(form, values, stride, rows);
   // Most numbers of a tick do not change for seconds: one number, and then differences of zero.
-  const bool is_zero = rows == 0 || (numbers_.size() == 1 && numbers_[0] == 0);
-  const std::uint8_t order = numbers_.size() < rows || rows <= 1 ? (is_zero ? 0 : 1) : bestOrder(numbers_, bits);
+  const bool is_constant = numbers_.size() <= 1, is_zero = numbers_.empty() || numbers_[0] == 0;
+  const std::uint8_t order = is_constant ? (is_zero ? 0 : 1) : bestOrder(numbers_, bits);
   for (std::uint8_t k = 0; k < order; ++k)
     subtractBefore(&numbers_);
   if (order > 0) {

@@ -32,6 +32,9 @@ QUIET = ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-quic", "-
          "--disable-component-update", "--disable-sync", "--disable-dev-shm-usage")
 
 
+SEEN = "const e = document.querySelector(arguments[0]); return e.checkVisibility() ? e.innerText.trim() : '';"
+
+
 class Browser:
     """One window of Chromium. Finds elements by their data-test names."""
 
@@ -54,7 +57,8 @@ class Browser:
         return self.driver.find_element(By.CSS_SELECTOR, f'[data-test="{name}"]')
 
     def text(self, name):
-        return self[name].text
+        """What one sees of an element: in one question, where selenium asks the browser twice."""
+        return self.driver.execute_script(SEEN, f'[data-test="{name}"]')
 
     def choose(self, **choices):
         for name, value in choices.items():
