@@ -175,6 +175,9 @@ class Details:
 
     def _execution_row(self, execution, end, arm):
         started = int(execution["started"])
+        # A plan keeps clear of everything. A repeated trial has no plan, and moves both arms.
+        repeats = float(execution["planned_clearance"]) == 0.0
+        arm = "both arms" if repeats else arm
         moved = f"{arm}, model and robot" if execution["on_robot"] else f"{arm}, model alone"
         if started < 0:
             return ["–", esc(moved), esc(f"{end}, never begun"), *["–"] * 9]
@@ -185,7 +188,7 @@ class Details:
                 if who == "model" or execution["on_robot"] else "–" for who in ("model", "robot")]
         return [number(self.facts.session_time(started), 3, "s"), esc(moved), esc(end),
                 number((int(execution["ended"]) - started) / 1000.0, 2, "s"), *errors,
-                number(float(execution["planned_clearance"]) * 1000.0, 1, "mm"), *kept,
+                "–" if repeats else number(float(execution["planned_clearance"]) * 1000.0, 1, "mm"), *kept,
                 f"{int(execution['contact_ticks']):,} ms"]
 
     def provenance(self):

@@ -8,6 +8,7 @@ import json
 import os
 import pathlib
 import secrets
+import sys
 import time
 from urllib.parse import urlsplit
 
@@ -65,13 +66,17 @@ class Access:
             return {}
 
     def _write(self):
+        """On a full disk a login lasts as long as this station."""
         if self._file is None:
             return
-        self._file.parent.mkdir(parents=True, exist_ok=True)
         part = self._file.with_suffix(".part")
-        with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as out:
-            json.dump(self._logins, out)
-        os.replace(part, self._file)
+        try:
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as out:
+                json.dump(self._logins, out)
+            os.replace(part, self._file)
+        except OSError as error:
+            print(f"{self._file}: cannot be written: {error.strerror}; after a restart, log in again", file=sys.stderr)
 
     def check_password(self, password):
         """@return "" or a sentence that says why not."""

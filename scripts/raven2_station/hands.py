@@ -20,8 +20,9 @@ def _numbers(values, count):
     if not isinstance(values, list) or len(values) != count:
         raise ValueError(f"expected {count} numbers")
     for value in values:
-        if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
-            raise ValueError(f"{value!r} is not a number")
+        # The bounds refuse NaN, too, and whole numbers that no float can hold.
+        if isinstance(value, bool) or not isinstance(value, (int, float)) or not -1e300 < value < 1e300:
+            raise ValueError("a value is not a number of ordinary size")
     return [float(value) for value in values]
 
 

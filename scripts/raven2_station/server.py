@@ -1,6 +1,7 @@
 """HTTP and WebSockets of the station."""
 
 import asyncio
+import contextlib
 import json
 import pathlib
 import ssl
@@ -13,7 +14,7 @@ from .library import Library
 from .records import Records
 from .ros_link import RosLink
 from .station import Station
-from .supervisor import Supervisor
+from .supervisor import Refused, Supervisor
 
 PAGE = pathlib.Path(__file__).resolve().parent / "page"
 STATIC = {p.name: kind for suffix, kind in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml"))
@@ -225,8 +226,9 @@ def make_app(options):
             await client.socket.close(code=1001, message=b"the station ends")
         if station.driving:
             station.stop_driving()
-        if station.supervisor.is_running:
-            await station.supervisor.end()
+        with contextlib.suppress(Refused):  # the start that was under way has failed
+            if station.supervisor.is_running:
+                await station.supervisor.end()
         for task in app["tasks"]:
             task.cancel()
         await asyncio.gather(*app["tasks"], return_exceptions=True)

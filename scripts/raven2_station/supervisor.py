@@ -12,6 +12,7 @@ import random
 import re
 import signal
 import socket
+import sys
 import time
 
 import psutil
@@ -152,7 +153,7 @@ class Supervisor:
             self._changed()
             try:
                 await self._start(choice)
-            except (Refused, OSError) as error:
+            except (Refused, OSError, psutil.Error) as error:
                 await self._end_all()
                 self.phase, self._choice, self._directory, self.ended_at = "idle", None, None, time.monotonic()
                 self._changed()
@@ -258,7 +259,10 @@ class Supervisor:
                 str(self._programs / name), *arguments, stdin=asyncio.subprocess.DEVNULL, stdout=log, stderr=log,
                 start_new_session=True)
         asyncio.ensure_future(process.wait())  # takes its exit status
-        self._processes[name] = psutil.Process(process.pid)
+        try:
+            self._processes[name] = psutil.Process(process.pid)
+        except psutil.NoSuchProcess:  # it has ended already
+            raise Refused(self._why(name)) from None
         self._remember()
 
     async def _await_log(self):
@@ -342,12 +346,24 @@ class Supervisor:
         return self._logs / "processes.json"
 
     def _remember(self):
+        """For a station that starts again. On a full disk it will not find these programs; all else goes on."""
         content = {"processes": {name: [p.pid, self._began(p)] for name, p in self._processes.items()},
                    "choice": self._choice and self._choice.as_dict(), "session": self._directory and str(self._directory)}
-        self._logs.mkdir(parents=True, exist_ok=True)
-        part = self._file().with_suffix(".part")
-        part.write_text(json.dumps(content), encoding="utf-8")
-        os.replace(part, self._file())
+        try:
+            self._logs.mkdir(parents=True, exist_ok=True)
+            part = self._file().with_suffix(".part")
+            part.write_text(json.dumps(content), encoding="utf-8")
+            os.replace(part, self._file())
+        except OSError as error:
+            print(f"{self._file()}: cannot be written: {error.strerror}; a station that starts again will not find this session's "
+                  "programs", file=sys.stderr)
+
+    @staticmethod
+    def _terminate(process):
+        try:
+            process.terminate()
+        except psutil.Error:
+            pass  # it has ended
 
     @staticmethod
     def _began(process):
@@ -357,7 +373,8 @@ class Supervisor:
             return 0.0
 
     def adopt(self):
-        """Takes over the programs of an earlier station. @return whether a session is running."""
+        """Takes over the programs of an earlier station. Ends those of a start that was not finished.
+        @return whether a session is running."""
         try:
             content = json.loads(self._file().read_text(encoding="utf-8"))
             found = {name: psutil.Process(pid) for name, (pid, began) in content["processes"].items()
@@ -367,6 +384,8 @@ class Supervisor:
             return False
         self._choice = choice
         if "simulator" not in found:
+            for process in found.values():
+                self._terminate(process)
             return False
         self._processes, self._directory, self.phase = found, pathlib.Path(content["session"]), "running"
         self._watch()

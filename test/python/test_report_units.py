@@ -117,6 +117,11 @@ def test_a_limit_is_said_for_the_side_that_passes(better, said):
     assert re.findall(r'<span class="limit">(.*?)</span>', row) == [said]
 
 
+@pytest.mark.parametrize("better, limit, whole", [("lower", 2.7, 2), ("lower", 2, 2), ("higher", 2.2, 3), ("higher", 2, 2)])
+def test_a_limit_of_counts_is_the_last_whole_number_that_passes(better, limit, whole):
+    assert metric_words.limit_of({"unit": "count", "better": better, "limit": limit}) == whole
+
+
 def record_facts(facts):
     """Adds the facts that build() needs in addition to the metrics."""
     series = SimpleNamespace(runlevel=np.zeros(0), t=np.zeros(0), tracking=np.zeros(0, bool))
@@ -130,6 +135,12 @@ def record_facts(facts):
 JUDGED = {"force_after_ms": 21, "cue_after_ms": 322, "excursion_mm": 12.25, "error_mm": 9.5, "peak_force_N": 2.75,
           "reaction": {"response": "slow", "after_ms": 450}, "deciding": {"response": "pedal_up", "after_ms": 1250},
           "verdict": "right", "touches": {}, "coincidences": []}
+
+
+@pytest.mark.parametrize("verdict_, seconds", [("right", 0.928), ("late", 0.928), ("wrong", None), ("none", None)])
+def test_the_curve_of_answers_counts_from_the_cue_to_the_answer_that_was_right(verdict_, seconds):
+    values = curves._values({"metrics": {}, "hazards": [{**JUDGED, "verdict": verdict_}]})
+    assert values.get(curves.ANSWER) == (seconds and pytest.approx(seconds))
 
 
 def hazard_facts(fault=None):
@@ -365,6 +376,17 @@ def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
     assert plans[0] == ["0.500 s", "success", "green", "3", "1.25 s", "3.750", "1,000", "0.200 s"]
     assert [row[0] for row in plans] == ["0.500 s", "1.250 s", "–"], "the session's clock must stop during a pause"
     assert column(behind.execution_section(), "Time") == ["1.250 s"]
+
+
+@pytest.mark.parametrize("clearance, moved, planned", [(0.0047, "green, model and robot", "4.7 mm"), (0.0, "both arms, model and robot", "–")])
+def test_a_repeated_trial_moves_both_arms_without_a_plan(clearance, moved, planned):
+    behind = details.Details.__new__(details.Details)
+    behind.facts = SimpleNamespace(session_time=lambda tick: tick / 1000)
+    execution = {"started": 1000, "ended": 2000, "on_robot": 1, "progress": 1.0, "planned_clearance": clearance, "contact_ticks": 0,
+                 "model": {"mean": 0.0, "largest": 0.0}, "robot": {"mean": 0.0, "largest": 0.0}, "model_clearance": 0.01,
+                 "robot_clearance": 0.01}
+    row = behind._execution_row(execution, "finished", "green")
+    assert (row[1], row[8]) == (moved, planned)
 
 
 @pytest.mark.parametrize("levels, stop", [([0, 0, 1, 2, 3, 3, 0, 0, 1, 0], 0.006), ([-1, 0, 0, 1], None),

@@ -1,5 +1,6 @@
 """Parts of the station that need neither ROS nor a network: hands, choices, session files, access, messages, words."""
 
+import asyncio
 import json
 import math
 import os
@@ -7,9 +8,12 @@ import pathlib
 import random
 import re
 import shutil
+import signal
+import subprocess
 import sys
 import types
 
+import psutil
 import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -79,6 +83,26 @@ def test_nothing_moves_with_the_pedal_up_but_back_to_the_middle():
     assert 1.3 < device.arms["gold"].position[0] < 1.5
 
 
+def test_what_is_late_of_either_hand_does_not_come_after_the_pedal():
+    for arm in ("gold", "green"):
+        device = hands.Hands()
+        device.apply({"pedal": True, "arms": {arm: {"move": [0, 0, 0]}}}, 10.0)
+        device.apply({"pedal": True, "arms": {arm: {"move": [5.0, 0, 0]}}}, 10.01)
+        device.release()
+        before = device.arms[arm].position[0]
+        device.apply({"pedal": True, "arms": {arm: {"move": [0, 0, 0]}}}, 10.5)
+        assert device.arms[arm].position[0] == before, arm
+
+
+def test_rotations_are_about_the_axes_of_the_desk_whichever_way_the_hand_is_turned():
+    device = hands.Hands()
+    device.apply(motion(), 0.0)
+    device.apply(motion(turn=(0.8, 0, 0)), 0.1)
+    device.apply(motion(turn=(0, 0, 0.1)), 0.2)
+    right = frames.rotated(device.arms["gold"].orientation, [1, 0, 0])
+    assert right == pytest.approx([math.cos(0.1), math.sin(0.1), 0.0], abs=1e-12)
+
+
 def test_rotations_stay_unit_quaternions():
     device, source = hands.Hands(), random.Random(1)
     for i in range(500):
@@ -126,7 +150,8 @@ def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_t
     None, [], "x", {}, {"pedal": 1}, {"pedal": True, "camera": "no"}, {"pedal": True, "arms": []}, {"pedal": True, "arms": {"blue": {}}},
     {"pedal": True, "arms": {"gold": {"move": [0, 0]}}}, {"pedal": True, "arms": {"gold": {"move": [0, 0, float("nan")]}}},
     {"pedal": True, "arms": {"gold": {"move": [0, 0, "1"]}}}, {"pedal": True, "arms": {"gold": {"turn": [0, 0, True]}}},
-    {"pedal": True, "arms": {"gold": {"jaw": float("inf")}}}, {"pedal": True, "arms": {"gold": 3}}])
+    {"pedal": True, "arms": {"gold": {"jaw": float("inf")}}}, {"pedal": True, "arms": {"gold": 3}},
+    {"pedal": True, "arms": {"gold": {"jaw": 10 ** 400}}}, {"pedal": True, "arms": {"gold": {"move": [0, -10 ** 400, 0]}}}])
 def test_a_message_that_is_wrong_changes_nothing(message):
     device = hands.Hands()
     device.apply(motion((0.001, 0, 0)), 1.0)
@@ -206,6 +231,59 @@ def test_programs_get_what_was_chosen(known, tmp_path):
     assert free == ["--seed", "3", "--exercise", "none", "--hazard", "sudden_jump"]
     assert boss._hands(supervisor.Choice({"driver": "browser"}, known)) == ["--master", "browser"]
     assert boss._hands(supervisor.Choice({**GOOD, "driver": "master:omni_pair"}, known)) == ["--master", "omni_pair"]
+
+
+PROGRAM = """#!/bin/sh
+while [ $# -gt 0 ]; do [ "$1" = --output ] && mkdir -p "$2" && touch "$2/session.rlog"; shift; done
+exec sleep 60
+"""
+
+
+def supervised(folder, known, program):
+    """A supervisor whose programs are all `program`; the daemon's begins a log."""
+    (folder / "programs").mkdir(parents=True)
+    for name in ("virtual_raven", "master_console", "simulator"):
+        (folder / "programs" / name).write_text(program)
+        (folder / "programs" / name).chmod(0o755)
+    return supervisor.Supervisor(folder / "programs", folder / "sessions", known, lambda: None, lambda trainee, stages: ([], 0))
+
+
+def test_a_program_that_ends_at_once_is_named_and_the_next_start_is_free(known, tmp_path):
+    made = supervised(tmp_path, known, "#!/bin/false\n")
+
+    async def starts():
+        for _ in range(10):
+            with pytest.raises(supervisor.Refused, match="ended"):
+                await made.start({"driver": "scripted"})
+            assert made.phase == "idle"
+
+    asyncio.run(starts())
+
+
+def test_a_session_starts_and_ends_on_a_full_disk(known, tmp_path, capsys):
+    made = supervised(tmp_path, known, PROGRAM)
+
+    async def sessions():
+        for _ in range(2):
+            await made.start({"driver": "scripted"})
+            processes = list(made._processes.values())
+            (tmp_path / "sessions/station_logs/processes.part").unlink(missing_ok=True)
+            (tmp_path / "sessions/station_logs/processes.part").symlink_to("/dev/full")
+            await made.end()
+            assert made.phase == "idle" and made.last is not None and not any(p.is_running() for p in processes)
+
+    asyncio.run(sessions())
+    assert "cannot be written" in capsys.readouterr().err
+
+
+def test_a_station_that_was_killed_in_a_start_leaves_no_program_behind(known, tmp_path):
+    made = supervised(tmp_path, known, PROGRAM)
+    with subprocess.Popen(["sleep", "60"]) as left:
+        made._processes = {"virtual_raven": psutil.Process(left.pid)}
+        made._remember()
+        made._processes = {}
+        assert not made.adopt() and made.phase == "idle"
+        assert left.wait(5) == -signal.SIGTERM
 
 
 def test_a_curriculum_chooses_exercise_and_hazard(known, tmp_path):
@@ -346,6 +424,13 @@ def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypat
     assert not door.knows(token)
 
 
+def test_a_login_holds_on_a_full_disk_until_the_station_ends(tmp_path, capsys):
+    (tmp_path / "logins.part").symlink_to("/dev/full")
+    door = access.Access(None, tmp_path / "logins.json")
+    assert door.knows(door.login())
+    assert "log in again" in capsys.readouterr().err
+
+
 def test_wrong_passwords_are_counted_and_then_wait():
     door = access.Access(access.make_hash("right"))
     assert not access.fits("right", "scrypt$nonsense") and not access.fits("right", "") and access.make_hash("a") != access.make_hash("a")
@@ -353,6 +438,21 @@ def test_wrong_passwords_are_counted_and_then_wait():
     for _ in range(access.TRIES):
         assert door.check_password("wrong") == "Wrong password."
     assert "wait" in door.check_password("right")
+
+
+def test_wrong_passwords_are_forgotten_after_a_minute(monkeypatch):
+    door, now = access.Access(access.make_hash("right")), access.time.monotonic()
+    for _ in range(access.TRIES):
+        door.check_password("wrong")
+    monkeypatch.setattr(access.time, "monotonic", lambda: now + access.TRIES_IN + 30.0)
+    assert door.check_password("right") == ""
+
+
+def test_an_address_that_only_looks_local_is_not():
+    for address in ("127.0.0.1.evil.example", "127.evil.example", "localhost.evil.example", "127.0.0.256", "", "1"):
+        assert not access.is_loopback(address), address
+    for address in ("127.0.0.1", "127.255.0.9", "::1", "localhost"):
+        assert access.is_loopback(address), address
 
 
 def test_origins_and_names():

@@ -57,7 +57,7 @@ class Browser:
         return self.driver.find_element(By.CSS_SELECTOR, f'[data-test="{name}"]')
 
     def text(self, name):
-        """What one sees of an element: in one question, where selenium asks the browser twice."""
+        """The visible text of an element. Asks the browser once; selenium asks twice."""
         return self.driver.execute_script(SEEN, f'[data-test="{name}"]')
 
     def choose(self, **choices):

@@ -221,8 +221,8 @@ struct ExecutionReport {
   TrackingError robot{};           ///< of the robot, as received; zero if it did not move
   double model_clearance{};        ///< [m] least distance of the model's arm to anything, at most 0.05; 0 on contact
   double robot_clearance{};        ///< [m] the same at the robot's joint positions; zero if the robot did not move
-  std::uint32_t contact_ticks{};   ///< [1 ms] ticks with contacts of the model's arm
-  std::uint32_t contact_points{};  ///< most contact points in one tick
+  std::uint32_t contact_ticks{};   ///< [1 ms] ticks with contacts of the model's arm; of a trial: either arm
+  std::uint32_t contact_points{};  ///< most contact points in one tick; of a trial: both arms' sum
 };
 static_assert(std::is_trivially_copyable<ExecutionReport>::value, "crosses threads word by word");
 

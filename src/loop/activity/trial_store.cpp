@@ -140,6 +140,7 @@ ExecutionEnd TrialStore::supervise(const ModelState& model, const RobotState& ro
   control::ExecutionSample& counted = std::isnan(off[0]) || off[0] >= off[1] ? samples[0] : samples[1];
   counted.model_clearance = near;
   counted.robot_clearance = on_robot_ ? real_near : 0.0;
+  counted.contacts = model.arms[0].contacts + model.arms[1].contacts;
   tally_.add(counted);
   if (!(tally_.deviation() <= config_.deviation_limit)) return ExecutionEnd::kOffPath;
   if (execution_.waited() > config_.robot_timeout) return ExecutionEnd::kRobotLost;

@@ -229,6 +229,20 @@ TEST_P(ServoTargetTest, MillimetresForMetresAreTooFar) {
   EXPECT_FALSE(target.hasGoal());
 }
 
+TEST_P(ServoTargetTest, AJointThatStepsTooFarIsNamedInEitherDirection) {
+  standAt({0.6, 1.4, 0.35, 0.0, 0.0, 0.5, 0.9});
+  for (const double sign : {-1.0, 1.0}) {
+    for (std::size_t j = 0; j < kServoJointCount; ++j) {
+      ServoJoints by{};
+      by[j] = sign * (j == kInsertion ? 0.03 : 0.5);
+      const ServoVerdict verdict = joints(ServoKind::kServoJointsBy, by);
+      EXPECT_EQ(verdict.reason, ServoRefusal::kTooFar) << j << " " << sign;
+      EXPECT_EQ(verdict.joint, j) << sign;
+      EXPECT_NEAR(verdict.value, std::abs(by[j]), 1e-12) << j << " " << sign;
+    }
+  }
+}
+
 TEST_P(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
   ServoJoints to = servoJoints(q);
   to[kWrist] = 71 * kDegree;
@@ -526,6 +540,28 @@ TEST_P(ServoTargetTest, ATwistOfWhoIsGoneSlowsDownButNothingElseDoes) {
   ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
   finish();
   EXPECT_NEAR(servoJoints(q)[0], goal[0], 1e-4);
+}
+
+TEST_P(ServoTargetTest, AMoveByCountsFromWhereAServoCommandLeads) {
+  const ServoJoints from = servoJoints(q);
+  const ServoJoints by{0.02, 0.0, 0.005, 0.0, 0.0, 0.0};
+  ASSERT_EQ(joints(ServoKind::kServoJointsBy, by).reason, ServoRefusal::kNone);
+  tick(5);
+  ASSERT_LT(servoJoints(q)[kInsertion], from[kInsertion] + 0.001) << "the servo command is still under way";
+  ASSERT_EQ(joints(ServoKind::kMoveJointsBy, by).reason, ServoRefusal::kNone);
+  finish();
+  EXPECT_NEAR(servoJoints(q)[kShoulder], from[kShoulder] + 0.04, 1e-6);
+  EXPECT_NEAR(servoJoints(q)[kInsertion], from[kInsertion] + 0.01, 1e-6);
+}
+
+TEST_P(ServoTargetTest, RatesOfAClientThatIsGoneSlowDownToo) {
+  ASSERT_EQ(joints(ServoKind::kServoRates, {0.1, 0.0, 0.0, 0.0, 0.0, 0.0}).reason, ServoRefusal::kNone);
+  tick(10);
+  const double from = servoJoints(q)[0];
+  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  tick(400);
+  EXPECT_NEAR(servoJoints(q)[0] - from, 0.1 * 0.1, 1e-4) << "half of 0.1 rad/s for 0.2 s";
+  EXPECT_EQ(target.runOut(), 0U);
 }
 
 TEST_P(ServoTargetTest, RatesMoveEachJointForTheirTime) {

@@ -142,8 +142,9 @@ TEST_F(HapticSafety, ForcesAreFiniteBoundedAndSlowForAMillionStatesOfAnyKind) {
 TEST_F(HapticSafety, TheConsoleIsGivenNothingWhileAClientMovesTheArms) {
   model.linked = robot.connected = 1;
   robot.frame = 1;
-  model.arms[0].p_BT = {0.012, 0.0, 0.0};
-  Vec3 before{};
+  for (ArmState& arm : model.arms)
+    arm.p_BT = {0.012, 0.0, 0.0};
+  PerArm<Vec3> before{};
   const auto given = [&](bool is_clients) {
     now_ns += kTickNanoseconds;
     model.time_ns = robot.received_ns = now_ns;
@@ -155,25 +156,28 @@ TEST_F(HapticSafety, TheConsoleIsGivenNothingWhileAClientMovesTheArms) {
     loop.tick(now_ns);
     ForcePacket packet;
     EXPECT_TRUE(shared->force_packets.tryPop(&packet));
-    const double change = (toEigen(packet.force_I[0]) - toEigen(before)).norm();
-    EXPECT_LE(change, config.haptics.max_slew * kTickSeconds + kRounding);
-    before = packet.force_I[0];
-    return toEigen(before).norm();
+    for (const Arm arm : kArms) {
+      const double change = (toEigen(at(packet.force_I, arm)) - toEigen(at(before, arm))).norm();
+      EXPECT_LE(change, config.haptics.max_slew * kTickSeconds + kRounding) << name(arm);
+    }
+    before = packet.force_I;
+    return toEigen(before[0]).norm() + toEigen(before[1]).norm();
   };
   for (int i = 0; i < 100; ++i)
     given(false);
-  const Vec3 all = shared->haptic.load().force_I[0];
-  ASSERT_GT(toEigen(all).norm(), 0.5);
+  const PerArm<Vec3> all = shared->haptic.load().force_I;
+  for (const Vec3& force : all)
+    ASSERT_GT(toEigen(force).norm(), 0.5);
   EXPECT_EQ(before, all);
   for (int i = 0; i < 25; ++i)  // the force falls from 3.3 N in 24 ms at most
     given(true);
   EXPECT_EQ(given(true), 0.0);
-  EXPECT_GT(toEigen(shared->haptic.load().force_I[0]).norm(), 0.5)
-      << "the published state keeps the force for the client";
+  for (const Vec3& force : shared->haptic.load().force_I)
+    EXPECT_GT(toEigen(force).norm(), 0.5) << "the published state keeps the force for the client";
   for (int i = 0; i < 25; ++i)
     given(false);
   given(false);
-  EXPECT_EQ(before, shared->haptic.load().force_I[0]);
+  EXPECT_EQ(before, shared->haptic.load().force_I);
 }
 
 /** With guidance and the workspace's edge as well. */

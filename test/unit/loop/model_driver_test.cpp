@@ -94,6 +94,24 @@ TEST(ModelDriver, AResetClosesTheLoopOfItsArm) {
   }
 }
 
+TEST(ModelDriver, AResetEndsTheForcesOnItsArm) {
+  raven2_trainer::testing::useOde();
+  Effort push;
+  push.kind = EffortKind::kJoints;
+  push.numbers[kElbow] = 1.0;
+  for (const Arm arm : kArms) {
+    Drive drive(raven2_trainer::testing::packagedConfig());
+    for (const Arm each : kArms)
+      drive.driver.push(each, push);
+    drive.driver.reset(arm);
+    EXPECT_FALSE(drive.driver.isPushed(arm)) << name(arm);
+    EXPECT_TRUE(drive.driver.isPushed(otherArm(arm))) << name(arm) << ": the other arm is still pushed";
+    const double held = drive.world.gravityTorque(arm)[kElbow];
+    const PerArm<JointArray> tau = drive.driver.step({drive.home, drive.home});
+    EXPECT_NEAR(at(tau, arm)[kElbow], held, 1e-6) << name(arm);
+  }
+}
+
 TEST(ModelDriver, WithoutCompensationTheArmSags) {
   raven2_trainer::testing::useOde();
   TrainerConfig config = raven2_trainer::testing::packagedConfig();

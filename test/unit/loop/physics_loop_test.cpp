@@ -347,6 +347,24 @@ TEST_P(EitherArm, OfARobotThatIsNoLongerAnywhereEndsARepetition) {
   EXPECT_EQ(last_relay.command.pedal, 0);
 }
 
+TEST_P(EitherArm, OfTheRobotRepeatsATrialFromItsOwnPlace) {
+  at(robot.arms, arm()).q[kElbow] += 0.05;  // the arms are not alike
+  rest(300);
+  MasterCommand work = pressed();
+  work.dp_I = {Vec3{20e-6, 0.0, -10e-6}, Vec3{-10e-6, 0.0, -20e-6}};
+  trial(work, 100);
+  beginRepeat();
+  PerArm<Vector3> told{toEigen(last_relay.command.dp_I[0]), toEigen(last_relay.command.dp_I[1])};
+  for (int i = 0; i < 3000 && mode() == Mode::kExecuting; ++i) {
+    press(1);
+    for (const Arm each : kArms)
+      at(told, each) += toEigen(at(last_relay.command.dp_I, each));
+  }
+  EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kFinished);
+  for (const Arm each : kArms)
+    EXPECT_LT((at(told, each) - 100.0 * toEigen(at(work.dp_I, each))).norm(), 0.2e-3) << name(each);
+}
+
 // ---- jaws --------------------------------------------------------------------------------------------------------
 
 TEST_P(EitherArm, ComesBackWithTheJawsWithWhichItLeft) {
@@ -381,8 +399,8 @@ TEST_P(EitherArm, KeepsItsJawsAsTheyAreWhenItJoinsTheRobot) {
 
 TEST_P(EitherArm, OfTheRobotIsToldWhatItsOwnJawsDidInATrial) {
   MasterCommand close = pressed();
-  close.dgrasp = {0.01, 0.01};
-  repeat(close, 30);  // away from their stop
+  close.dgrasp = {0.01, 0.006};
+  repeat(close, 30);  // away from their stop, and not alike
   rest(3);
   MasterCommand work = pressed();
   work.dgrasp = {0.004, -0.002};
@@ -867,6 +885,18 @@ TEST_F(LoopBench, ARobotThatIsNoLongerHomedIsNotMovedBeforeItIsAgain) {
   rest(3);
   press(1);
   EXPECT_EQ(model().linked, 1);
+}
+
+TEST_F(LoopBench, NothingBeginsWhileTheRobotHomes) {
+  obeys = false;
+  robot.homed = 0;
+  robot.runlevel = RunLevel::kInit;
+  rest(3);
+  for (const RequestKind kind : {RequestKind::kBeginSimulation, RequestKind::kBeginTrial, RequestKind::kBeginPlanning,
+                                 RequestKind::kBeginReplay}) {
+    EXPECT_EQ(ask(kind, [](Request* r) { r->plan = 1; }), PlanningAnswer::kNotNow) << static_cast<int>(kind);
+    EXPECT_EQ(mode(), Mode::kPedalUp) << static_cast<int>(kind);
+  }
 }
 
 TEST_F(LoopBench, ARobotThatFallsBelowPedalUpIsLetGoUntilTheNextPress) {

@@ -750,6 +750,25 @@ TEST_F(ServoManagerTest, AForceMovesTheModelAloneItsWayUntilSomethingElseIsAsked
   }
 }
 
+TEST_F(ServoManagerTest, AMoveIsOverWithTheForceThatCameBehindIt) {
+  for (const Arm arm : kArms) {
+    alone([](TrainerConfig* config) { config->crtk.twist_timeout = 0.1; });
+    ASSERT_TRUE(c->enable());
+    c->rest(300);
+    ASSERT_EQ(c->ask(ServoKind::kMovePose, arm, beside(c->arm(arm).setpoint_B, {0.0, 0.0, -0.02})),
+              ServoRefusal::kNone);
+    c->rest(100);
+    ASSERT_EQ(c->arm(arm).is_busy, 1);
+    ASSERT_EQ(c->ask(wrenchOf(arm, {0.0, 0.0, 1.0})), ServoRefusal::kNone);
+    c->rest(2);
+    EXPECT_EQ(c->arm(arm).is_busy, 0) << name(arm);
+    c->rest(600);  // the force has ended
+    const Vec3 stood = c->arm(arm).setpoint_B.p;
+    c->rest(1000);
+    EXPECT_LT(apart(c->arm(arm).setpoint_B.p, stood), 1e-4) << name(arm) << ": the move does not go on";
+  }
+}
+
 TEST_F(ServoManagerTest, TorquesOnJointsMoveEachTheirWayAndEndWithTheirTime) {
   alone([](TrainerConfig* config) { config->crtk.twist_timeout = 0.2; });
   ASSERT_TRUE(c->enable());
@@ -921,6 +940,40 @@ TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   EXPECT_EQ(c->ask(StateCommand::kPause), ServoRefusal::kNone);
   EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kNone) << "enable acts as resume";
   EXPECT_EQ(state(), OperatingState::kEnabled);
+}
+
+TEST_F(ServoManagerTest, InTheRavensDialectADisableIsOverWithTheNextEnable) {
+  TrainerConfig config = ModeDriver::configuration();
+  speakRaven(&config);
+  rig = std::make_unique<Rig>(config);
+  rig->robot_connected = false;
+  c = std::make_unique<ServoClient>(rig.get());
+  c->rest(5);
+  ASSERT_EQ(c->ask(StateCommand::kDisable), ServoRefusal::kNone);
+  ASSERT_TRUE(c->enable());
+  ASSERT_EQ(c->ask(StateCommand::kUnhome), ServoRefusal::kNone);
+  c->rest(20);
+  EXPECT_EQ(state(), OperatingState::kDisabled);
+  ASSERT_EQ(c->ask(StateCommand::kHome), ServoRefusal::kNone);
+  c->rest(2);
+  EXPECT_EQ(state(), OperatingState::kPaused) << "the earlier disable no longer holds";
+}
+
+TEST_F(ServoManagerTest, InTheRavensDialectUnhomeIsRefusedWhileTheConsoleHasThePedal) {
+  TrainerConfig config = ModeDriver::configuration();
+  speakRaven(&config);
+  rig = std::make_unique<Rig>(config);
+  rig->robot_connected = false;
+  c = std::make_unique<ServoClient>(rig.get());
+  c->rest(5);
+  c->rest(5, /*console_pedal=*/true);
+  c->send(StateCommand::kUnhome);
+  c->rest(2, true);
+  EXPECT_EQ(c->last.reason, ServoRefusal::kConsole);
+  EXPECT_EQ(c->state().is_homed, 1);
+  EXPECT_EQ(rig->model().pedal, kSurgeonsPedal) << "the surgeon keeps the arms";
+  c->rest(5);
+  EXPECT_EQ(c->ask(StateCommand::kUnhome), ServoRefusal::kNone) << "once the console's pedal is up";
 }
 
 TEST_F(ServoManagerTest, InTheRavensDialectUnhomeDisablesUntilHome) {

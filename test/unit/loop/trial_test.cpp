@@ -219,6 +219,19 @@ TEST_F(Trial, DiscardedItLeavesNothingBehind) {
   EXPECT_LT(moved(), 1e-5);
 }
 
+TEST_F(Trial, ItsRepetitionFindsTheSceneAsTheTrialDid) {
+  const auto before = d->rig.model().bodies;
+  const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };
+  ASSERT_EQ(d->ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
+  for (int i = 0; i < 6000 && moved() < 2e-3; ++i)
+    d->tick(goldTowards(d->rig, before[0].p));
+  ASSERT_GT(moved(), 2e-3) << "the tool must have moved the ring";
+  d->rest(false, 50);
+  ASSERT_EQ(d->ask(RequestKind::kEndTrial), PlanningAnswer::kAccepted);
+  arm(/*on_robot=*/false);
+  EXPECT_LT(moved(), 1e-5);
+}
+
 TEST_F(Trial, NorDoesOneThatAStopEnded) {
   const auto before = d->rig.model().bodies;
   const auto moved = [&] { return apart(d->rig.model().bodies[0].p, before[0].p); };

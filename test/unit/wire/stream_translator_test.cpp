@@ -94,6 +94,24 @@ TEST(StreamTranslator, AnAbsoluteGraspBecomesHowFarItWent) {
   }
 }
 
+TEST(StreamTranslator, NothingOfAGraspIsLostInRoundingNorGoesToTheOtherArm) {
+  StreamProfile p = profile();
+  p.mrad_per_count = 0.3;
+  StreamTranslator stream(p);
+  PerArm<std::int64_t> sum{};
+  for (int i = 0; i < 1000; ++i) {
+    ItpPacket packet = still();
+    packet.grasp_mrad = {1, -3};
+    const ItpPacket out = used(&stream, packet);
+    EXPECT_LE(std::abs(out.grasp_mrad[0]), 1) << i;
+    EXPECT_NEAR(out.grasp_mrad[1], -0.9, 1.0) << i;
+    for (std::size_t arm = 0; arm < kArmCount; ++arm)
+      sum[arm] += out.grasp_mrad[arm];
+    EXPECT_NEAR(static_cast<double>(sum[0]), 0.3 * (i + 1), 0.51) << i;
+    EXPECT_NEAR(static_cast<double>(sum[1]), -0.9 * (i + 1), 0.51) << i;
+  }
+}
+
 TEST(StreamTranslator, AxesAndScaleTurnAndStretchAndNothingIsLostInRounding) {
   StreamProfile p = profile();
   p.axes = {{{0, 0, -1}, {1, 0, 0}, {0, -1, 0}}};  // right-handed: determinant 1
@@ -150,6 +168,52 @@ TEST(StreamTranslator, APedalThatIsDownFromTheStartWaitsForAPress) {
   EXPECT_EQ(used(&stream, still(7, 1)).surgeon_mode, 0) << "after a silence, too";
   StreamTranslator as_sent(profile());
   EXPECT_EQ(used(&as_sent, still(1, 1)).surgeon_mode, 1);
+}
+
+/** A gate with a console of absolute grasp and without clutch. The test is the console. */
+struct LooseConsole {
+  static ItpRules rules(double max_rate) {
+    ItpRules rules;
+    rules.max_increment_um = 2000;
+    rules.max_rotation = 0.1;
+    rules.max_rate = max_rate;
+    rules.max_burst = 1;
+    rules.master_timeout = 0.2;
+    rules.stream.is_on = rules.stream.has_absolute_grasp = rules.stream.waits_for_press = true;
+    return rules;
+  }
+  explicit LooseConsole(double max_rate) : gate(rules(max_rate), Audience::kDaemon, nullptr) {}
+
+  Reject send(std::int64_t time_ms, std::int32_t pedal, std::int32_t grasp) {
+    ItpPacket packet = still(++sequence, pedal);
+    packet.grasp_mrad = {grasp, -grasp};
+    const ItpBytes bytes = encodeItp(packet);
+    return gate.judge({bytes.data(), bytes.size(), 1, time_ms * 1'000'000}, &got);
+  }
+
+  ItpGate gate;
+  std::uint32_t sequence{0};
+  ItpPacket got{};
+};
+
+TEST(StreamTranslator, AtTheGateAConsoleThatWasSilentBeginsAgain) {
+  LooseConsole console(1000.0);
+  ASSERT_EQ(console.send(1, 0, 100), Reject::kNone);
+  ASSERT_EQ(console.send(2, 1, 110), Reject::kNone);
+  EXPECT_EQ(console.got.surgeon_mode, 1);
+  EXPECT_EQ(console.got.grasp_mrad, (PerArm<std::int32_t>{10, -10}));
+  console.gate.idle(1'000'000'000);
+  ASSERT_EQ(console.send(1001, 1, 600), Reject::kNone) << "its pedal counts as up, so it may introduce itself";
+  EXPECT_EQ(console.got.surgeon_mode, 0) << "the pedal that is still down was not pressed";
+  EXPECT_EQ(console.got.grasp_mrad, PerArm<std::int32_t>{}) << "where the jaws went meanwhile is no motion";
+}
+
+TEST(StreamTranslator, AtTheGateAPacketAboveTheRateIsNotTheLastGrasp) {
+  LooseConsole console(100.0);
+  ASSERT_EQ(console.send(1000, 0, 100), Reject::kNone);
+  ASSERT_EQ(console.send(1001, 0, 130), Reject::kRateLimited);
+  ASSERT_EQ(console.send(1020, 0, 150), Reject::kNone);
+  EXPECT_EQ(console.got.grasp_mrad, (PerArm<std::int32_t>{50, -50})) << "nothing of the motion is lost";
 }
 
 /** The packets of a dV-Trainer, through the gate that refused them. */
