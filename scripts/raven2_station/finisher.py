@@ -1,8 +1,12 @@
 """Work after a session: the report, and the video on request. One program at a time, at the lowest priority."""
 
 import asyncio
+import contextlib
+import os
 import re
+import signal
 
+PATIENCE = 15.0  # [s] for reports when the station ends
 PERCENT = re.compile(rb"(\d+) ?%")
 
 
@@ -13,6 +17,9 @@ class Finisher:
         self._programs, self._scripts, self._changed = programs, scripts, changed
         self._lock = asyncio.Lock()
         self._wanted = set()
+        self._tasks = set()
+        self._running = None  # (what, process)
+        self._ends = False
 
     def report(self, directory):
         return self._begin(directory, "report", ["/usr/bin/python3", str(self._scripts / "session_report"), str(directory)])
@@ -25,16 +32,37 @@ class Finisher:
         if key in self._wanted:
             return None
         self._wanted.add(key)
-        return asyncio.ensure_future(self._run(key, command))
+        task = asyncio.ensure_future(self._run(key, command))
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+        return task
+
+    async def end(self):
+        """When the station ends. Reports are finished. A video takes minutes and can be asked for again, so it is ended."""
+        self._ends = True
+        self._stop("video")
+        if self._tasks:
+            await asyncio.wait(self._tasks, timeout=PATIENCE)
+        self._stop("report")
+
+    def _stop(self, what):
+        if self._running is not None and self._running[0] == what:
+            with contextlib.suppress(ProcessLookupError):
+                os.killpg(self._running[1].pid, signal.SIGTERM)
 
     async def _run(self, key, command):
         name, what = key
         try:
             async with self._lock:
+                if self._ends and what == "video":
+                    return
                 self._changed(name, what, 0.0, "")
                 process = await asyncio.create_subprocess_exec(
                     "nice", "-n", "19", *command, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
                     stderr=asyncio.subprocess.PIPE, start_new_session=True)
+                self._running = (what, process)
+                if self._ends and what == "video":  # meanwhile
+                    self._stop(what)
                 last = b""
                 while True:
                     data = await process.stderr.read(4096)
@@ -45,6 +73,7 @@ class Finisher:
                     if found:
                         self._changed(name, what, min(0.99, int(found[-1]) / 100), "")
                 code = await process.wait()
+                self._running = None
                 lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
                 self._changed(name, what, 1.0 if code == 0 else None, "" if code == 0 else (lines or ["it failed"])[-1][:200])
         finally:

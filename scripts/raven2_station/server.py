@@ -229,6 +229,7 @@ def make_app(options):
         with contextlib.suppress(Refused):  # the start that was under way has failed
             if station.supervisor.is_running:
                 await station.supervisor.end()
+        await station.finisher.end()
         for task in app["tasks"]:
             task.cancel()
         await asyncio.gather(*app["tasks"], return_exceptions=True)

@@ -18,7 +18,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import access, curriculum, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+from raven2_station import access, curriculum, finisher, frames, hands, library, records, supervisor, wire, words  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -284,6 +284,49 @@ def test_a_station_that_was_killed_in_a_start_leaves_no_program_behind(known, tm
         made._processes = {}
         assert not made.adopt() and made.phase == "idle"
         assert left.wait(5) == -signal.SIGTERM
+
+
+class Finishing:
+    """A finisher whose report takes 0.5 s and whose video takes a minute."""
+
+    def __init__(self, folder):
+        (folder / "session").mkdir()
+        self.session, self.said = folder / "session", []
+        (folder / "session_report").write_text("import pathlib, sys, time\ntime.sleep(0.5)\n"
+                                               "(pathlib.Path(sys.argv[1]) / 'report.html').touch()\n")
+        (folder / "render_session").write_text("#!/bin/sh\nsleep 60 & echo $! >\"$1/worker\"; wait\n")
+        (folder / "render_session").chmod(0o755)
+        self.finisher = finisher.Finisher(folder, folder, lambda *words: self.said.append(words[1:3]))
+
+    async def worker(self):
+        while not (self.session / "worker").is_file() or not (self.session / "worker").read_text():
+            await asyncio.sleep(0.05)
+        return psutil.Process(int((self.session / "worker").read_text()))
+
+
+def test_a_report_is_finished_when_the_station_ends(tmp_path):
+    async def run():
+        work = Finishing(tmp_path)
+        work.finisher.report(work.session)
+        await asyncio.sleep(0)
+        await work.finisher.end()
+        assert (work.session / "report.html").is_file() and work.said[-1] == ("report", 1.0)
+
+    asyncio.run(run())
+
+
+def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
+    async def run():
+        work = Finishing(tmp_path)
+        work.finisher.video(work.session)
+        worker = await work.worker()
+        (tmp_path / "other").mkdir()
+        waiting = work.finisher.video(tmp_path / "other")
+        await work.finisher.end()
+        assert waiting.done() and not list((tmp_path / "other").iterdir())
+        assert not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE
+
+    asyncio.run(run())
 
 
 def test_a_curriculum_chooses_exercise_and_hazard(known, tmp_path):
