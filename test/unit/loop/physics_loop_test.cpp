@@ -354,15 +354,15 @@ TEST_P(EitherArm, OfTheRobotRepeatsATrialFromItsOwnPlace) {
   work.dp_I = {Vec3{20e-6, 0.0, -10e-6}, Vec3{-10e-6, 0.0, -20e-6}};
   trial(work, 100);
   beginRepeat();
-  PerArm<Vector3> told{toEigen(last_relay.command.dp_I[0]), toEigen(last_relay.command.dp_I[1])};
+  PerArm<Vector3> sent{toEigen(last_relay.command.dp_I[0]), toEigen(last_relay.command.dp_I[1])};
   for (int i = 0; i < 3000 && mode() == Mode::kExecuting; ++i) {
     press(1);
     for (const Arm each : kArms)
-      at(told, each) += toEigen(at(last_relay.command.dp_I, each));
+      at(sent, each) += toEigen(at(last_relay.command.dp_I, each));
   }
   EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kFinished);
   for (const Arm each : kArms)
-    EXPECT_LT((at(told, each) - 100.0 * toEigen(at(work.dp_I, each))).norm(), 0.2e-3) << name(each);
+    EXPECT_LT((at(sent, each) - 100.0 * toEigen(at(work.dp_I, each))).norm(), 0.2e-3) << name(each);
 }
 
 // ---- jaws --------------------------------------------------------------------------------------------------------
