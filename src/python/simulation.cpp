@@ -243,8 +243,9 @@ int Simulation::start(int limit) {
   }
   for (int ticks = 0; ticks < limit; ++ticks) {
     const bool may_move = source_ == nullptr || source_->mayMove();
-    const bool waits = view().model.mode == Mode::kPedalUp || (!has_robot_ && view().model.mode == Mode::kWaiting);
-    if (may_move && waits) return ticks;
+    const ModelState& model = view().model;
+    const bool waits = model.mode == Mode::kPedalUp || (!has_robot_ && model.mode == Mode::kWaiting);
+    if (model.tick > 0 && may_move && waits) return ticks;
     tick();
   }
   throw std::runtime_error("the arms are not ready after " + std::to_string(limit) + " ticks");

@@ -168,6 +168,16 @@ def test_an_expert_does_the_exercise():
         assert simulation.state.exercise["steps_done"] == len(simulation.state.exercise["steps"])
 
 
+def test_a_start_shows_the_arms_where_they_are():
+    """With a simulated surgeon and no robot nothing has to be waited for."""
+    with raven2_trainer.Simulation(PICK, motion="expert", robot="none") as simulation:
+        assert simulation.start() > 0
+        tips = np.array(simulation.state.tips_in_world)
+        assert simulation.state.desired_tips_in_world == pytest.approx(tips, abs=1e-4)
+        simulation.step(ticks=10)
+        assert simulation.state.tips_in_world == pytest.approx(tips, abs=1e-3)
+
+
 def test_a_recorded_simulation_has_the_bytes_of_simulate(tmp_path):
     subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--exercise", PICK, "--motion", "expert", "--seed", "3", "--seconds", "2",
                     "--homing", "quick", "--output", tmp_path / "program"], check=True, capture_output=True)
