@@ -20,9 +20,13 @@ PlanningAnswer Hold::request(const Request& request) noexcept {
   return PlanningAnswer::kAccepted;
 }
 
+/** A stop of the robot ends when it leaves E-STOP; that of a robot that is gone, when the surgeon's side clears it. */
 PlanningAnswer Hold::clearStop() noexcept {
-  if (!stage_.stop_asked || !stage_.pedal.isUp() || !stage_.arms.world().healthy()) return PlanningAnswer::kNotNow;
+  const bool robot_is_gone = stage_.stopped_by_robot && stage_.robot.isLost();
+  if (!stage_.stop_asked && !robot_is_gone) return PlanningAnswer::kNotNow;
+  if (!stage_.pedal.isUp() || !stage_.arms.world().healthy()) return PlanningAnswer::kNotNow;
   stage_.stop_asked = false;
+  if (robot_is_gone) stage_.stopped_by_robot = false;
   if (!stage_.stopped_by_robot) raise(Event::kStopCleared);
   return PlanningAnswer::kAccepted;
 }

@@ -142,6 +142,7 @@ TEST_F(ActivityTest, ClearingOurStopDoesNotClearTheRobots) {
   Hold hold(&stage);
   Request clear;
   clear.kind = RequestKind::kClearStop;
+  showRobot();
   stage.stop_asked = stage.stopped_by_robot = true;
   EXPECT_EQ(hold.request(clear), PlanningAnswer::kAccepted);
   EXPECT_TRUE(modes.events.empty());

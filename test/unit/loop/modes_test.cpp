@@ -215,6 +215,24 @@ TEST_F(Modes, AStopIsForEverythingAndClearedWithThePedalUp) {
   EXPECT_LT(d->rig.error(Arm::kGold), 0.5e-3);
 }
 
+TEST_F(Modes, TheStopOfARobotThatIsGoneCanBeCleared) {
+  RobotState robot = d->rig.robot();
+  robot.runlevel = RunLevel::kEStop;
+  d->rig.hear(&robot);
+  d->rest(false, 1);
+  ASSERT_EQ(d->mode(), Mode::kStopped);
+  EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kNotNow) << "the robot is there, and in E-STOP";
+  d->rig.link.disconnected();
+  d->rest(false, 5);
+  EXPECT_EQ(d->mode(), Mode::kStopped) << "without a request it stays stopped";
+  EXPECT_EQ(d->ask(RequestKind::kClearStop, true), PlanningAnswer::kNotNow) << "the pedal is down";
+  d->rest(false, 2);
+  EXPECT_EQ(d->ask(RequestKind::kClearStop), PlanningAnswer::kAccepted);
+  EXPECT_EQ(d->mode(), Mode::kPedalUp);
+  d->rest(true, 10);
+  EXPECT_EQ(d->mode(), Mode::kTeleoperating) << "the model moves alone";
+}
+
 TEST_F(Modes, AStopIsNotClearedWhileTheModelCannotBeStepped) {
   TrainerConfig config = ModeDriver::configuration();
   config.model.gains[kShoulder].kp = std::nan("");
