@@ -1,12 +1,16 @@
-#include "python/planner_module.h"
+#include "python/motion_module.h"
 
 #include <atomic>
+#include <cmath>
 #include <memory>
 #include <mutex>
 
 #include "python/arrays.h"
 #include "python/constructed.h"
 #include "python/simulation.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/share_folder.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/physics/raven_world.h"
 #include "raven2_trainer/planning/path_planner.h"
 
@@ -14,6 +18,83 @@ namespace py = pybind11;
 
 namespace raven2_trainer::python {
 namespace {
+
+// ---- kinematics
+
+struct Kinematics : Constructed {
+  explicit Kinematics(const ArmGeometry& arms) : geometry(arms) {}
+
+  ArmGeometry geometry;
+};
+
+py::tuple forwardOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
+  const Numbers rows = jointRows(joints);
+  Numbers p(leading(rows, 1, {3})), R(leading(rows, 1, {3, 3}));
+  for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
+    const Pose pose = kinematics::forward(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    for (int k = 0; k < 3; ++k)
+      p.mutable_data()[3 * i + k] = pose.p[k];
+    for (int k = 0; k < 9; ++k)
+      R.mutable_data()[9 * i + k] = pose.R(k / 3, k % 3);
+  }
+  return py::make_tuple(p, R);
+}
+
+Numbers jacobianOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
+  const Numbers rows = jointRows(joints);
+  Numbers J(leading(rows, 1, {6, 7}));
+  for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
+    const kinematics::Jacobian one = kinematics::jacobian(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    for (int k = 0; k < 42; ++k)
+      J.mutable_data()[42 * i + k] = one(k / 7, k % 7);
+  }
+  return J;
+}
+
+/** All solutions of a finite pose with a rotation; else none is valid. */
+kinematics::IkSolutions solutionsOf(const ArmGeometry& arms,
+                                    Arm arm,
+                                    const double* p,
+                                    const double* R,
+                                    double opening) {
+  Pose pose;
+  for (int k = 0; k < 3; ++k)
+    pose.p[k] = p[k];
+  for (int k = 0; k < 9; ++k)
+    pose.R(k / 3, k % 3) = R[k];
+  kinematics::IkSolutions solutions{};
+  const bool is_sane =
+      pose.p.allFinite() && pose.R.allFinite() && (pose.R * pose.R.transpose() - Matrix3::Identity()).norm() < 1e-6;
+  if (is_sane) kinematics::inverseAll(arms, arm, pose, opening, &solutions);
+  return solutions;
+}
+
+py::tuple inverseOf(const Kinematics& self,
+                    const std::string& arm,
+                    const py::object& given_p,
+                    const py::object& given_R,
+                    double opening) {
+  const auto p = Numbers::ensure(given_p), R = Numbers::ensure(given_R);
+  PyErr_Clear();
+  const bool fits = p && R && p.ndim() >= 1 && R.ndim() == p.ndim() + 1 && p.shape(p.ndim() - 1) == 3 &&
+                    R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 && R.size() == 3 * p.size();
+  if (!fits) throw std::invalid_argument("p, R: expected arrays of shapes (..., 3) and (..., 3, 3)");
+  if (!std::isfinite(opening)) throw std::invalid_argument("opening: not a finite number");
+  Numbers joints(leading(p, 1, {8, 7}));
+  py::array_t<bool> valid(leading(p, 1, {8}));
+  double* q = joints.mutable_data();
+  bool* is_valid = valid.mutable_data();
+  for (py::ssize_t i = 0; i < p.size() / 3; ++i) {
+    for (const auto& solution : solutionsOf(self.geometry, armOf(arm), p.data() + 3 * i, R.data() + 9 * i, opening)) {
+      *is_valid++ = solution.valid;
+      for (std::size_t k = 0; k < kJointCount; ++k)
+        *q++ = solution.valid ? solution.q[k] : std::nan("");
+    }
+  }
+  return py::make_tuple(joints, valid);
+}
+
+// ---- planner
 
 /** One planner and its scene; calls wait for each other. */
 class Planner : public Constructed {
@@ -140,6 +221,18 @@ void addPlanner(py::module_* module) {
             return self.edgeCost(armOf(arm), arrayOf<JointArray>(a, "a"), arrayOf<JointArray>(b, "b"));
           },
           py::arg("arm"), py::arg("a"), py::arg("b"));
+}
+
+void addKinematics(py::module_* module) {
+  py::class_<Kinematics>(*module, "Kinematics")
+      .def(py::init([](const std::string& config) {
+             const std::string root = config.empty() ? config::shareFolder() + "/config/trainer.yaml" : config;
+             return made<Kinematics>(config::loadTrainerConfig(root).arms.geometry);
+           }),
+           py::arg("config") = "")
+      .def("forward", &forwardOf, py::arg("arm"), py::arg("joints"))
+      .def("jacobian", &jacobianOf, py::arg("arm"), py::arg("joints"))
+      .def("inverse", &inverseOf, py::arg("arm"), py::arg("p"), py::arg("R"), py::arg("opening") = 0.0);
 }
 
 }  // namespace raven2_trainer::python
