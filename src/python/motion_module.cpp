@@ -51,7 +51,7 @@ Numbers jacobianOf(const Kinematics& self, const std::string& arm, const py::obj
   return J;
 }
 
-/** All solutions of a finite pose with a rotation; else none is valid. */
+/** All solutions of a finite pose with a rotation; of others all are invalid. */
 kinematics::IkSolutions solutionsOf(const ArmGeometry& arms,
                                     Arm arm,
                                     const double* p,
