@@ -5,11 +5,13 @@
 #include <ompl/base/spaces/RealVectorStateSpace.h>
 #include <ompl/geometric/PathGeometric.h>
 #include <ompl/util/Console.h>
+#include <ompl/util/RandomNumbers.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/planning/path_planner.h"
 
 namespace raven2_trainer::planning {
 namespace {
@@ -154,6 +156,12 @@ class PlanningProblem::EdgeValidator : public ob::MotionValidator {
   std::mutex* serial_;
   std::vector<std::pair<UnitState, UnitState>> blocked_;
 };
+
+void initialiseOmpl() {
+  ompl::msg::noOutputHandler();
+  const ob::SpaceInformation space(std::make_shared<ob::RealVectorStateSpace>(1));  // the list of all spaces
+  ompl::RNG().uniform01();                                                          // the generator of seeds
+}
 
 PlanningProblem::PlanningProblem(const PlanningTask& task) {
   ompl::msg::noOutputHandler();

@@ -14,6 +14,7 @@
 #include "python/simulation.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/planning/path_planner.h"
 
 namespace py = pybind11;
 
@@ -361,6 +362,7 @@ void addStepAll(py::module_* target) {
 
 PYBIND11_MODULE(_core, module) {
   serveOde();
+  planning::initialiseOmpl();
   py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
   py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);
   py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);

@@ -473,6 +473,29 @@ def joints_at_rest():
         return simulation.state.joints.copy()
 
 
+PLANS = """
+import raven2_trainer
+with raven2_trainer.Simulation(motion="scripted") as first:
+    first.start()
+    first.step(ticks=26400)
+with raven2_trainer.Simulation(motion="scripted", seed=2) as second:
+    second.start()
+    second.step(ticks=25500)
+    begin, ends = second.save(), []
+    for _ in range(2):
+        second.step(ticks=1500)
+        ends.append((second.state.mode, second.state.joints.tobytes()))
+        second.restore(begin)
+assert ends[0] == ends[1] and ends[0][0] == "tracking", ends[0][0]
+"""
+
+
+def test_simulations_that_plan_share_no_memory():
+    """OMPL has global objects. They must not be in the memory of a simulation: it ends, or goes back to a snapshot."""
+    done = subprocess.run([sys.executable, "-c", PLANS], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
 def test_a_plan_leads_from_start_to_goal(planner, home):
     goal = home[0] + [0.2, -0.1, 0.01, 0, 0, 0, 0]
     plan = planner.plan("gold", home[0], goal, other=home[1])

@@ -20,6 +20,9 @@ namespace raven2_trainer::planning {
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
+/** OMPL allocates its global objects at their first use. A program whose `new` is not the heap calls this before. */
+void initialiseOmpl();
+
 /** True for FMTstar and FMT, which take PlanOptions::samples. The others sample until they find a path or time out. */
 bool takesSamples(const std::string& planner);
 
