@@ -1,9 +1,11 @@
 """export_session --format hdf5 and lerobot, and make_dataset: read with h5py and pandas and compared with the logs."""
+import importlib.machinery
 import json
 import os
 import pathlib
 import subprocess
 import sys
+import types
 
 import h5py
 import numpy as np
@@ -12,6 +14,7 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import raven2_session  # noqa: E402
+from raven2_exports import dataset, episode  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
@@ -85,6 +88,74 @@ def test_the_states_are_those_of_the_frames_ticks(data, sessions):
         np.testing.assert_allclose(state[:14], newest["arms"]["q"].ravel(), atol=1e-6)
         for arm in (0, 1):
             np.testing.assert_allclose(state[14 + 3 * arm:17 + 3 * arm], newest["arms"]["p_BT"][arm] @ R_WB[arm].T + P_WB[arm], atol=1e-6)
+
+
+def test_the_forces_are_the_newest_of_the_frames_ticks(data, sessions):
+    demo, ticks = data[0]["demo_2"], ticks_of(sessions["recovery"])
+    haptic = raven2_session.Session(sessions["recovery"]).log.haptic["haptic"]
+    shown = [ticks["tick"][ticks["session_tick"] <= frame * 1000 / FPS + 1e-6][-1] for frame in range(demo.attrs["num_samples"])]
+    newest = np.array([haptic["force_B"][haptic["tick"] <= tick][-1] for tick in shown])
+    expected = np.concatenate([newest[:, arm] @ R_WB[arm].T for arm in (0, 1)], axis=1)
+    assert np.abs(expected).max() > 0.1
+    np.testing.assert_allclose(demo["obs/force"][:], expected, atol=1e-6)
+
+
+def episode_with(faults, attempts=()):
+    """An episode of which only this is known."""
+    made = object.__new__(episode.Episode)
+    made.directory, made._faults = "", faults
+    made._session = types.SimpleNamespace(metrics={"exercise": {"attempts": list(attempts)}})
+    return made
+
+
+def test_turns_are_of_the_commands_behind_the_first_tick_up_to_the_last():
+    commands = np.zeros(10, [("tick", int), ("command", [("dq_I", float, (2, 4))])])
+    commands["tick"], commands["command"]["dq_I"] = np.arange(10), [np.sin(0.005), 0, 0, np.cos(0.005)]
+    made = episode_with([])
+    made.length, made._session.log = 2, types.SimpleNamespace(commands=commands)
+    turns = made._turns(np.array([0, 5]), np.array([5, 9]))
+    assert turns[:, 0, 0] == pytest.approx([0.05, 0.04]) and turns[:, 1] == pytest.approx(turns[:, 0])
+
+
+def test_numbers_that_are_none_make_no_part(monkeypatch, tmp_path):
+    made = types.SimpleNamespace(columns={"action": np.array([[0.0], [np.nan]])}, length=2, task="", objects=[], summary={})
+    monkeypatch.setattr(dataset.episode, "Episode", lambda *_: made)
+    assert dataset.make_part("here", tmp_path / "part", FPS, dataset.Pictures((), (64, 64), "")) == "here: NaN or infinity in action"
+    assert not (tmp_path / "part").exists()
+
+
+def test_without_a_robot_the_state_is_the_models(tmp_path):
+    sys.path.insert(0, str(PROGRAMS.parent / "python3/dist-packages"))
+    import raven2_trainer
+
+    with raven2_trainer.Simulation(motion="scripted", robot="none", output=tmp_path / "session") as simulation:
+        while simulation.state.session_tick < 300:
+            simulation.step(ticks=10)
+    columns = episode.Episode(tmp_path / "session", FPS).columns
+    assert np.array_equal(columns["observation.state"], columns["observation.model_state"]) and columns["truth.error"].max() == 0
+
+
+def test_work_went_on_only_after_each_of_the_hazards():
+    assert episode_with([])._split() == "nominal"
+    over, lasting = {"end_tick": 5}, {"end_tick": None}
+    assert [episode_with(faults)._split() for faults in ([over, over], [over, lasting], [lasting, over])] == ["recovery", "failure", "failure"]
+    assert [episode_with([over], [{"status": status}])._split() for status in ("done", "failed")] == ["recovery", "failure"]
+
+
+def test_each_of_two_hazards_of_a_kind_has_its_own_response(monkeypatch):
+    judged = [{"scenario": "sudden_jump", "injection_tick": tick, "reaction": {"after_ms": after, "response": "stop"}}
+              for tick, after in ((1000, 200), (9000, 300))]
+    monkeypatch.setattr(episode.facts, "load_score", lambda _: ({"hazards": judged}, None))
+    for first, reaction in ((1001, 1200), (9001, 9300)):
+        fault = {"name": "sudden_jump", "first_tick": first, "last_tick": first + 50}
+        assert episode_with([fault])._response(fault, first + 500) == (reaction, "stop")
+
+
+def test_a_turn_is_the_same_by_the_quaternion_of_the_other_sign():
+    q = np.array([[0.0, 0.6, 0.0, 0.8], [0.1, 0.0, 0.0, np.sqrt(0.99)]])
+    turn = episode._rotation_vector(q)
+    assert np.linalg.norm(turn) < np.pi and episode._rotation_vector(q[:1]) == pytest.approx([0, 2 * np.arctan2(0.6, 0.8), 0])
+    assert episode._rotation_vector(q * [[-1], [1]]) == pytest.approx(turn)
 
 
 def test_the_labels_are_the_truth_of_the_log(data, sessions):
@@ -191,6 +262,15 @@ def test_without_pyarrow_the_export_says_how_to_get_it(sessions, tmp_path):
         pytest.skip("pyarrow is installed")
 
 
+def test_a_session_with_another_reaction_is_another_session(tmp_path):
+    loader = importlib.machinery.SourceFileLoader("make_dataset", str(ROOT / "scripts/make_dataset"))
+    module = types.ModuleType(loader.name)
+    module.__file__ = loader.path
+    loader.exec_module(module)
+    names = {module.Run("peg_transfer", reaction, "own", "expert", 1, tmp_path).name for reaction in ("none", "250", "400")}
+    assert len(names) == 3
+
+
 def test_shares_of_a_data_set_come_together(tmp_path):
     words = ("--exercise", "pick_hand_over_place", "--seeds", "1..2", "--output", tmp_path / "set.hdf5")
     script = ROOT / "scripts/make_dataset"
@@ -204,5 +284,7 @@ def test_shares_of_a_data_set_come_together(tmp_path):
         assert [file[f"data/demo_{i}"].attrs["seed"] for i in (0, 1)] == [1, 2]
         assert file["data/demo_0"].attrs["task"].startswith("The ring from its stand") and file["data/demo_0/rewards"][-1] == 1
         assert_the_tool_turns_as_recorded(file["data/demo_0"], frames=120)
+    done = export(*words, "--hazards", "own,own", program=script)
+    assert done.returncode == 2 and "own,own: a name is given twice" in done.stderr
     done = export("--exercise", "nothing", "--seeds", "1", "--output", tmp_path / "other", program=script)
     assert done.returncode == 1 and "nothing" in done.stderr

@@ -104,6 +104,15 @@ def test_a_restored_simulation_repeats_itself_to_the_bit(ready):
     assert walk(ready, 2) == first
 
 
+def test_a_restored_simulation_asks_for_the_jaws_of_then(ready):
+    ready.step({"gold": {"jaw": 0.6}, "green": {"jaw": 0.2}}, ticks=300)
+    snapshot = ready.save()
+    ready.step({"gold": {"jaw": 0.2}, "green": {"jaw": 0.6}}, ticks=50)
+    ready.restore(snapshot)
+    ready.step(ticks=300)
+    assert ready.state.desired_joints[:, 5:].sum(axis=1) == pytest.approx([0.6, 0.2], abs=0.01)
+
+
 def test_threads_do_not_disturb_each_other():
     def run(seed, out):
         with raven2_trainer.Simulation(PICK, seed=seed) as simulation:
@@ -185,6 +194,17 @@ def test_a_recorded_simulation_has_the_bytes_of_simulate(tmp_path):
         while simulation.state.session_tick + 1 < 2000:
             simulation.step()
     assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
+
+
+def test_motion_to_joint_set_points_is_spread_over_the_ticks(tmp_path):
+    with raven2_trainer.Simulation(output=tmp_path / "session") as simulation:
+        simulation.start()
+        goal = simulation.state.joints[1] + [0.05, 0, 0, 0.08, 0, 0, 0]
+        simulation.step({"green": {"joints": goal}}, ticks=200)
+    commands = raven2_trainer.Session(tmp_path / "session").log.commands["command"]
+    turned, moved = np.linalg.norm(commands["dq_I"][:, 1, :3], axis=1), np.linalg.norm(commands["dp_I"][:, 1], axis=1)
+    for each in (turned, moved):
+        assert 0 < each.max() < 1.5 * each.sum() / 200
 
 
 def test_simulate_does_the_recorded_commands_with_the_same_bytes(tmp_path):
@@ -471,6 +491,15 @@ def joints_at_rest():
     with raven2_trainer.Simulation() as simulation:
         simulation.start()
         return simulation.state.joints.copy()
+
+
+def test_one_exception_is_for_sessions_that_cannot_be_read_or_written(tmp_path):
+    (tmp_path / "file").touch()
+    for use in (lambda: raven2_trainer.Session(tmp_path / "none"),
+                lambda: raven2_trainer.Simulation(output=tmp_path / "file" / "session")):
+        with pytest.raises(raven2_trainer.SessionError) as refused:
+            use()
+        assert isinstance(refused.value, RuntimeError) and str(tmp_path) in str(refused.value)
 
 
 PLANS = """

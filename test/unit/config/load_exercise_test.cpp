@@ -338,6 +338,8 @@ TEST_F(LoadExercise, WrongPredicatesAreRefused) {
   expectRefused(with("around: a", "around: left"), 18, "which is no peg of the scene; there are: a, b");
   expectRefused(with("around: a", "around: a, object: block"), 18,
                 "is for an object with an opening, which block has not");
+  expectRefused(with("around: a", "unthreaded: left, object: block"), 18,
+                "is for an object with an opening, which block has not");
   expectRefused(with("tip_near: far", "tip_near: box"), 22, "which is no point of the scene; there are: middle, far");
   expectRefused(with("arm: both, within: 0.01", "within: 0.01"), 22, "until[0]/arm is missing");
   expectRefused(with("arm: both, within: 0.01", "arm: both, within: 0"), 22, "within is 0, expected [0.0001, 1]");

@@ -116,6 +116,7 @@ TEST(LoadMaster, WhatIsWrongIsNamedWithItsLine) {
                      {"from: button_toggles", "from: axis", 22},
                      {"from: button_toggles", "from: joint", 27},
                      {"open: 0.6", "open: -0.1", 22},
+                     {"open: 0.6", "open: 0.0", 22},  // as closed
                      {"reading_open: 1.0", "reading_open: 0.0", 22},
                      {"pose: /right/measured_cp", "pose: \"\"", 25},
                      {"pose: /right/measured_cp", "pose: /right//measured_cp", 25},

@@ -310,26 +310,28 @@ TEST(DeviceSurgeon, ADeviceThatFallsSilentLiftsThePedalAndIsNamed) {
 }
 
 TEST(DeviceSurgeon, AButtonThatWasHeldThroughASilenceIsNoPedalBeforeItWasUp) {
-  MasterConfig config = testMaster();
-  config.pedal_from = PedalFrom::kAll;
-  DeviceBench bench(config);
-  bench.warmUp();
-  bench.samples[0].buttons = bench.samples[1].buttons = 1;
-  ASSERT_TRUE(bench.tick().pedal);
-  // GIVEN a driver that dies with its button down and is restarted, so that nobody published the release
-  bench.publishes = false;
-  ASSERT_FALSE(bench.tick(200).pedal);
-  EXPECT_EQ(bench.report().pedal, 0);
-  bench.publishes = true;
-  // WHEN the other device's button alone is pressed, THEN the pedal stays up
-  for (const std::uint32_t right : {1U, 0U, 1U}) {
-    bench.samples[1].buttons = right;
-    EXPECT_FALSE(bench.tick(20).pedal);
+  for (const Arm arm : kArms) {
+    MasterConfig config = testMaster();
+    config.pedal_from = PedalFrom::kAll;
+    DeviceBench bench(config);
+    bench.warmUp();
+    bench.samples[0].buttons = bench.samples[1].buttons = 1;
+    ASSERT_TRUE(bench.tick().pedal);
+    // GIVEN a driver that dies with its button down and is restarted, so that nobody published the release
+    bench.publishes = false;
+    ASSERT_FALSE(bench.tick(200).pedal);
+    EXPECT_EQ(bench.report().pedal, 0);
+    bench.publishes = true;
+    // WHEN the other device's button alone is pressed, THEN the pedal stays up
+    for (const std::uint32_t other : {1U, 0U, 1U}) {
+      at(bench.samples, otherArm(arm)).buttons = other;
+      EXPECT_FALSE(bench.tick(20).pedal) << name(arm);
+    }
+    at(bench.samples, arm).buttons = 0;
+    bench.tick();
+    at(bench.samples, arm).buttons = 1;
+    EXPECT_TRUE(bench.tick().pedal) << name(arm);
   }
-  bench.samples[0].buttons = 0;
-  bench.tick();
-  bench.samples[0].buttons = 1;
-  EXPECT_TRUE(bench.tick().pedal);
 }
 
 TEST(DeviceSurgeon, ADeviceThatNeverSpeaksIsNamedAfterAMoment) {

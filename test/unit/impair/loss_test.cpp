@@ -76,6 +76,12 @@ TEST(LossTest, TheStatesOfAChainLoseTheirOwnShares) {
   EXPECT_NEAR(send(impairment, 4 * kPackets).lostShare(), 0.75 * 0.02 + 0.25 * 0.6, 0.01);
 }
 
+TEST(LossTest, AChainThatStaysGoodLosesItsShareAllTheSame) {
+  Impairment impairment;
+  impairment.gilbert_elliott = {0.0, 0.3, 0.1, 0.9};
+  EXPECT_NEAR(send(impairment, kPackets).lostShare(), 0.1, 0.01);
+}
+
 TEST(LossTest, RunsLoseExactlySoManyInARow) {
   Impairment impairment;
   impairment.loss_runs = {0.001, 30};

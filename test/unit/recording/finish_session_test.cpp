@@ -75,6 +75,14 @@ TEST_F(FinishSession, OfNobodyIsInNoIndex) {
   EXPECT_FALSE(fs::exists(index()));
 }
 
+TEST_F(FinishSession, TheCurveIsOfTheSameExerciseWithTheSameDrill) {
+  for (const auto& [drill, name] : {std::pair("none", "plain"), {"own", "drill"}, {"none", "again"}})
+    EXPECT_TRUE(finishSession(record({"camera_clutch", drill, "ann", "none"}, name)));
+  EXPECT_EQ(readJson(index())["sessions"].size(), 3U);
+  for (const auto& [name, like_it] : {std::pair("again", 2U), {"drill", 1U}})
+    EXPECT_EQ(scoreRecorded((folder_ / name).string(), {}).history.size(), like_it) << name;
+}
+
 TEST_F(FinishSession, GivesUpWhenItIsTold) {
   const session::SessionPaths paths = record({"camera_clutch", "none", "ann", "none"});
   EXPECT_FALSE(finishSession(paths, [] { return true; }));

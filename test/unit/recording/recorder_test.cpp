@@ -239,6 +239,21 @@ TEST_F(RecorderTest, AFinishedLogNeedsNoFlightRecorder) {
   queues->tick_records.tryPush(TickRecord{});  // the memory is still there
 }
 
+/** With a full disk, the last records are still in the flight recorder, for a recovery. */
+TEST_F(RecorderTest, ALogThatCannotBeFinishedKeepsItsFlightRecorder) {
+  std::string file;
+  {
+    session::FlightRecorder flight("/dev/shm");
+    if (flight.description().rfind("none", 0) == 0) GTEST_SKIP() << flight.description();
+    file = flight.description();
+    const auto surviving = std::make_unique<SharedState>(flight.rings());
+    Recorder with_flight(config, {}, paths, "", surviving.get(), &flight);
+    limitFileSize(1);
+    EXPECT_THROW(with_flight.finish(sharedCounts(*surviving)), SessionException);
+  }
+  EXPECT_TRUE(fs::remove(file));
+}
+
 /** A session with queues that survive the process: a batch may wait in them. */
 class WaitingRecorderTest : public RecorderTest {
  protected:

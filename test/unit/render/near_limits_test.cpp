@@ -90,6 +90,21 @@ TEST_F(NearLimits, TheEdgeOfTheMastersWorkspaceIsToldWhileItActs) {
   EXPECT_TRUE(limits().empty()) << "with the pedal up the hand moves nothing";
 }
 
+TEST_F(NearLimits, EachFaceOfTheMastersWorkspaceHasItsName) {
+  edge_.enabled = true;
+  const std::array<std::pair<Vec3, const char*>, 6> faces{{{{0.03, 0, 0}, "forward"},
+                                                           {{-0.03, 0, 0}, "backward"},
+                                                           {{0, 0.075, 0}, "right"},
+                                                           {{0, -0.075, 0}, "left"},
+                                                           {{0, 0, 0.055}, "down"},
+                                                           {{0, 0, -0.055}, "up"}}};
+  for (const auto& [hand_I, way] : faces) {
+    snapshot_.haptic.hand_I[1] = hand_I;
+    ASSERT_EQ(limits().size(), 1U) << way;
+    EXPECT_EQ(limits()[0].text, std::string("green hand      at the edge, ") + way);
+  }
+}
+
 TEST_F(NearLimits, WhatIsNotFiniteHasNoLimit) {
   edge_.enabled = true;
   for (const double bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {

@@ -110,6 +110,25 @@ TEST_F(SceneBuilderTest, TheRobotAppearsAsAGhostOnlyBeyondTheHapticTolerance) {
   EXPECT_EQ(translucent(), 0U) << "no frame from the robot yet";
 }
 
+TEST_F(SceneBuilderTest, AGhostIsWhereItsArmOfTheRobotIs) {
+  for (const Arm arm : kArms) {
+    ASSERT_GT(displaceRobot(arm, arm == Arm::kGold ? 0.2 : 0.3), config_->haptics.tolerance);
+    Snapshot there = snapshot_;
+    at(there.model.arms, arm).q = at(snapshot_.robot.arms, arm).q;
+    at(there.model.arms, arm).p_BT = at(snapshot_.robot.arms, arm).p_BT;
+    const std::vector<Drawable> reached = builder_.build(there).drawables;
+    std::size_t ghosts = 0;
+    for (const Drawable& ghost : builder_.build(snapshot_).drawables) {
+      if (ghost.colour[3] == 1.0F) continue;
+      ++ghosts;
+      EXPECT_TRUE(std::any_of(reached.begin(), reached.end(), [&](const Drawable& d) {
+        return d.mesh == ghost.mesh && (d.X_WM.p - ghost.X_WM.p).norm() < 1e-12;
+      })) << name(arm);
+    }
+    EXPECT_GT(ghosts, 5U);
+  }
+}
+
 TEST_F(SceneBuilderTest, AForceIsAnArrowAtTheModelsTipAlongTheForce) {
   const std::size_t without = builder_.build(snapshot_).drawables.size();
   snapshot_.haptic.force_B[1] = {0.0, 0.0, 2.0};  // green: z points left, W y

@@ -125,6 +125,17 @@ TEST(DamagedLog, LosesOnlyTheRecordWithTheFlippedBit) {
   }
 }
 
+TEST(DamagedLog, ACutBehindADamagedRecordIsStillDamage) {
+  const SmallLog log = makeSmallLog();
+  const std::size_t damaged = log.ends[kRecords - 1], last = log.ends[kRecords];
+  Bytes bytes(log.bytes.begin(), log.bytes.begin() + static_cast<std::ptrdiff_t>(last + 10));
+  bytes[damaged + 30] ^= 1;  // of the record before the one that is cut
+  const Found found = readAll(bytes);
+  EXPECT_EQ(found.ids.size(), kRecords - 1U);
+  EXPECT_EQ(found.summary.bad_bytes, bytes.size() - damaged);
+  EXPECT_EQ(found.summary.truncated_bytes, 0U);
+}
+
 TEST(DamagedLog, LosesOnlyWhatABurstOfGarbageHits) {
   const SmallLog log = makeSmallLog();
   Random random(5);

@@ -158,6 +158,23 @@ TEST(SessionMeta, IsReadAsItWasWritten) {
   EXPECT_EQ(readBuild(paths), (std::map<std::string, std::string>{{"flags", "-O2"}}));
 }
 
+TEST(SessionMeta, TellsAllFilesOfTheConfigurationWithTheirHashes) {
+  const SessionPaths paths = createSessionDirectory(freshFolder("meta_files"));
+  EXPECT_TRUE(readConfigurationFiles(paths).empty()) << "no file yet";
+  std::vector<std::pair<std::string, std::string>> expected;
+  for (const char* name : {"console.yaml", "robot.urdf", "scene.urdf"}) {
+    const std::string file = scratchPath(name);
+    writeText(file, name);
+    expected.emplace_back(file, textHash(name));
+  }
+  Configured config;
+  config.files = {expected[0].first};
+  config.robot_urdf = expected[1].first;
+  config.scene_urdf = expected[2].first;
+  writeMeta(paths, {}, config);
+  EXPECT_EQ(readConfigurationFiles(paths), expected);
+}
+
 TEST(SessionMeta, OfAFullDiskIsTheOneFromBefore) {
   const SessionPaths paths = createSessionDirectory(freshFolder("meta_full"));
   writeMeta(paths, makeMeta("1"), Configured{});

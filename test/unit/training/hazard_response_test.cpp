@@ -75,6 +75,21 @@ HazardResponse judge(const HazardWindow& window, const ResponseRule& rule = {}) 
   return judgeResponse(window, rule, {});
 }
 
+TEST(HazardResponse, AStopFromBeforeTheHazardIsNoAnswer) {
+  HazardWindow window = makeWindow(goingOn);
+  for (HandSample& sample : window.samples)
+    sample.stop = 1;
+  EXPECT_EQ(judge(window).first.response, Response::kPushOn);
+}
+
+TEST(HazardResponse, AHandThatRestsInAClutchDoesNotHoldStill) {
+  const auto pauses = [](Tick t) { return t > 600 && t < 3000 ? 0.0 : 0.08; };
+  HazardWindow window = makeWindow(pauses);
+  window.usual_clutch = 1500;  // released for less than twice as long is no answer
+  liftPedal(&window, 500, 3100);
+  EXPECT_EQ(judge(window).first.response, Response::kNone);
+}
+
 TEST(ResponseRule, IsThatOfTheDrill) {
   ExerciseDrill drill;
   for (std::size_t i = 0; i < kDrillResponseCount; ++i)

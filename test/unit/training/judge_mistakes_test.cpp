@@ -395,6 +395,20 @@ TEST(JudgeOrder, WhatWasSoFromTheStartIsNone) {
   EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 0U);
 }
 
+TEST(JudgeOrder, WhatTheStepThatIsDoneAskedForIsNoMistakeAsTheNextBegins) {
+  const ExerciseTrack track_of_three =
+      track({step({when(K::kUntouched)}), step({held(Hand::kGreen)}), step({when(K::kUntouched)})});
+  Bench bench(Bench::with({track_of_three}, {rule(Mistake::kOutOfOrder)}));
+  bench.grip(Arm::kGold);
+  bench.run(30);
+  ASSERT_EQ(bench.done(), 0);
+  // WHEN the ring is let go, as the first step asks and as the last one will
+  bench.clearContacts();
+  bench.run(100);
+  EXPECT_EQ(bench.done(), 1);
+  EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 0U);
+}
+
 TEST(JudgeArm, TakenByTheArmThatNoStepSoFarAsksForIsAMistake) {
   const ExerciseTrack handing =
       track({step({held(Hand::kGreen)}), step({when(K::kHeldAlone, kRingObject, kNobody, Hand::kGold)})});
