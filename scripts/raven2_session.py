@@ -44,7 +44,7 @@ FORMAT_VERSIONS = (1, 2)  # 1 has no chunks
 NO_TRAINING = {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"}
 
 
-class SessionError(Exception):
+class SessionError(RuntimeError):
     """A file is missing or is not what it should be; the message names it and says why."""
 
 

@@ -23,9 +23,10 @@ import raven2_trainer
 from raven2_trainer.gym import MOVE, OPEN, TICKS, TURN
 
 AHEAD = 10                        # [steps] how far the network looks into the future
-BESIDE = 8                        # poses next to the path for each on it,
-AWAY, TURNED = 0.006, 0.1         # [m, rad] at most this far from it, along and about each axis,
-FAR, CLOSE = 0.015, 0.1           # if the grip is this far [m]; at the grip this share
+BESIDE = 8                        # poses next to the path, for each pose on it
+AWAY, TURNED = 0.006, 0.1         # [m, rad] largest distance of these poses from the path, along and about each axis
+FAR, CLOSE = 0.015, 0.1           # [m, -] from FAR to the grip that distance falls to this share
+OPEN_FOR_GRIP, CLOSING = 0.81, 0.77  # [rad] the expert opens the jaws to 0.8 before the grip
 THERE = 0.0008                    # [m] from the grip: the jaws begin to close
 WIDEST = 1.6                      # [rad] opening of the jaws in any pose before the grip
 UNIT = np.array([0.01] * 3 + [0.1] * 3 + [0.5])  # [m, rad, rad] of what is learned
@@ -85,8 +86,8 @@ def demonstration(seed):
 def phases(frames):
     """Numbers of the frames at which the jaws are open for the grip, close, and are closed."""
     opening = np.array([pose.jaws for _, pose in frames])
-    ready = np.argmax(opening < 0.81)
-    closing = ready + np.argmax(opening[ready:] < 0.77)
+    ready = np.argmax(opening < OPEN_FOR_GRIP)
+    closing = ready + np.argmax(opening[ready:] < CLOSING)
     return ready, closing, closing + np.argmax(opening[closing:] == 0.0)
 
 

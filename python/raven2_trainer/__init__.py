@@ -10,8 +10,9 @@ doc/python.md. The compiled part is loaded at the first use of a name, so that R
 """
 
 _NAMES = {"Campaign": "campaign", "outcomes": "campaign", "Planner": "simulation", "Session": "session", "SessionLog": "session",
+          "SessionError": "session",
           "Simulation": "simulation", "VectorSimulation": "simulation", "Kinematics": "simulation", "Snapshot": "_core", "State": "_core",
-          "ConfigError": "_core", "RenderError": "_core", "ModelError": "_core", "SessionError": "_core"}
+          "ConfigError": "_core", "RenderError": "_core", "ModelError": "_core"}
 __all__ = sorted(_NAMES)
 
 

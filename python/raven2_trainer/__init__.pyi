@@ -19,7 +19,7 @@ class RenderError(RuntimeError):
     """No OpenGL context, or it cannot draw."""
 
 class SessionError(RuntimeError):
-    """A session cannot be written."""
+    """A session cannot be written or read."""
 
 class Snapshot:
     """All state of one simulation."""

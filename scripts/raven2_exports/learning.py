@@ -56,7 +56,10 @@ def size_of(text):
 
 
 def names_of(text):
-    return [name for name in text.split(",") if name]
+    names = [name for name in text.split(",") if name]
+    if len(set(names)) != len(names):
+        raise argparse.ArgumentTypeError(f"{text}: a name is given twice")
+    return names
 
 
 def number_from(least, most, text):

@@ -366,7 +366,8 @@ PYBIND11_MODULE(_core, module) {
   py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
   py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);
   py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);
-  py::register_exception<SessionException>(module, "SessionError", PyExc_RuntimeError);
+  const py::object read_error = py::module_::import("raven2_trainer.session").attr("SessionError");
+  py::register_exception<SessionException>(module, "SessionError", read_error);
   addSimulation(&module);
   addState(&module);
   addStepAll(&module);
