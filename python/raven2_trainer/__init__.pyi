@@ -179,11 +179,16 @@ class SessionLog:
 
     def __init__(self, path: Union[str, PathLike[str]], ticks: Optional[tuple[int, int]] = ...) -> None: ...
     def __getattr__(self, name: str) -> Any: ...
+    def names(self, record: str, field: str) -> list[str]:
+        """Names of an enum's values, e.g. names("tick", "model.mode")."""
 
 class Session:
     """A session directory: log, and the files next to it."""
 
     log: SessionLog
+    metrics: dict[str, Any]
+    faults: dict[str, Any]
+    meta: dict[str, Any]
     def __init__(self, directory: Union[str, PathLike[str]], ticks: Optional[tuple[int, int]] = ...) -> None: ...
     def file(self, name: str) -> Any: ...
 

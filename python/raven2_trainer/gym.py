@@ -50,16 +50,17 @@ class Raven(gymnasium.Env):
     Action, per arm: motion (3, along world axes), rotation (3) and jaws (1: -1 closed, 1 open), each -1 to 1. Observation: for both arms tip
     (3) [m, B], quaternion (4), jaw opening (1), error (1) [m], where the actions lead (3) [m, world]; objects (n, 7); from the tips to the first object in
     world axes.
+    `robot`: "virtual" or "none"; None: "virtual" with a hazard, else "none", which is faster.
     With `pictures=(width, height)` a dict of that ("state") and the endoscope's image ("picture").
     With `variations=n` each reset takes one of the variations 0 to n - 1 (see variation()), by its seed.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 1000 // TICKS}
 
-    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot="none", config=None, max_steps=1000, variations=1,
+    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot=None, config=None, max_steps=1000, variations=1,
                  render_mode=None):
         self.render_mode = render_mode
-        self._make = {"exercise": exercise, "hazard": hazard, "robot": robot if hazard is None else "virtual", "config": config}
+        self._make = {"exercise": exercise, "hazard": hazard, "robot": robot or ("none" if hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
         if variations < 1:

@@ -15,6 +15,7 @@ void CommandedSource::set(const HandsCommand& command) noexcept {
 
 Intent CommandedSource::tick(const Senses& senses) {
   may_move_ = senses.may_move;
+  sequence_ = senses.sequence;
   done_ = command_;
   intent_.pedal = command_.pedal && may_move_;
   intent_.grasp = command_.grasp;

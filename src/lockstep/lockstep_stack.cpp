@@ -301,6 +301,10 @@ const LockstepView& LockstepStack::view() const noexcept {
   return impl_->view;
 }
 
+std::uint32_t LockstepStack::arrived() const noexcept {
+  return impl_->ingest.newest();
+}
+
 const RobotState& LockstepStack::robot() const noexcept {
   return impl_->software.state();
 }

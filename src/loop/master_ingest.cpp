@@ -52,7 +52,9 @@ Reject MasterIngest::judge(const wire::Arrival& arrival) noexcept {
   wire::ItpPacket packet;
   const Reject reason = gate_.judge(arrival, &packet);
   if (reason != Reject::kNone) return reason;
-  return shared_.master_commands.tryPush(wire::toCommand(packet)) ? Reject::kNone : Reject::kQueueFull;
+  if (!shared_.master_commands.tryPush(wire::toCommand(packet))) return Reject::kQueueFull;
+  newest_ = packet.sequence;
+  return Reject::kNone;
 }
 
 Reject MasterIngest::count(Reject reason) noexcept {

@@ -62,7 +62,7 @@ StepCommand rowsCommand(const Numbers& rows) {
 }
 
 StepCommand stepCommand(const py::object& given) {
-  if (given.is_none()) return {};
+  if (given.is_none()) return {{}, true, true};
   if (!py::isinstance<py::dict>(given)) {
     const auto rows = Numbers::ensure(given);
     PyErr_Clear();
@@ -183,21 +183,21 @@ py::dict exerciseOf(const State& state) {
 
 // ---- many at once
 
-/** Steps all of them, each on one of the threads. @throw the first that any of them throws. */
+/** Steps all of them, each on one of the threads. @throw what one of them throws. */
 void stepAll(const std::vector<Simulation*>& all,
              const std::vector<StepCommand>& commands,
              int ticks,
              unsigned threads) {
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
-  std::string trouble;
+  std::exception_ptr trouble;
   const auto work = [&] {
     for (std::size_t i = next++; i < all.size(); i = next++) {
       try {
         all[i]->step(commands[i], ticks);
-      } catch (const std::exception& e) {
+      } catch (...) {
         const std::lock_guard<std::mutex> lock(mutex);
-        if (trouble.empty()) trouble = e.what();
+        if (!trouble) trouble = std::current_exception();
       }
     }
   };
@@ -207,7 +207,7 @@ void stepAll(const std::vector<Simulation*>& all,
   work();
   for (std::thread& other : others)
     other.join();
-  if (!trouble.empty()) throw std::runtime_error(trouble);
+  if (trouble) std::rethrow_exception(trouble);
 }
 
 void addSimulation(py::module_* target) {

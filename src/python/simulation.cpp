@@ -27,6 +27,7 @@ namespace {
 
 std::atomic<std::uint64_t> simulations{0};
 const std::string kCommands = "commands";  ///< motion from step()
+constexpr double kMaxTurn = 0.0989;        ///< [rad] in a tick; less than a packet of the console takes
 
 }  // namespace
 
@@ -83,6 +84,16 @@ Quat quaternionOf(const Vector3& rotation) noexcept {
   return toArray(Quaternion(Eigen::AngleAxisd(angle, rotation / angle)));
 }
 
+/** Rotation that does not fit into its packets would follow in later ticks, after the set point is due. */
+void demandSlowTurn(Arm arm, const Matrix3& from, const Matrix3& to, int ticks) {
+  const double turn = Eigen::AngleAxisd(Matrix3(to * from.transpose())).angle() / ticks;
+  if (turn <= kMaxTurn) return;
+  char text[160];
+  std::snprintf(text, sizeof text, "%s: joints turn the tool by %.3g rad in a tick, at most %.3g rad: take more ticks",
+                name(arm), turn, kMaxTurn);
+  throw std::invalid_argument(text);
+}
+
 }  // namespace
 
 /** The session on the disk. */
@@ -133,14 +144,17 @@ Simulation::Simulation(const SimulationOptions& options)
       records_(std::make_unique<RecordRings>()),
       has_robot_(options.has_robot) {
   physics::initialiseOde();
-  std::string trouble;
+  std::string wrong_setting, trouble;
   const OdeBuilding building;
   try {
     build(options);
+  } catch (const ConfigException& e) {
+    wrong_setting = e.what();  // the exceptions may have memory in the arena, which goes
   } catch (const std::exception& e) {
-    trouble = e.what();  // the exception may have memory in the arena, which goes
+    trouble = e.what();
   }
   try {
+    if (!wrong_setting.empty()) throw ConfigException(wrong_setting);
     if (!trouble.empty()) throw std::runtime_error(trouble);
     if (!options.output.empty()) recording_ = std::make_unique<Recording>(config_, options, stack_.get());
   } catch (...) {  // here, as in the destructor: ODE may keep no block of the arena
@@ -186,21 +200,27 @@ void Simulation::demandOpen() const {
   if (is_closed_) throw std::runtime_error("the simulation is closed");
 }
 
+void Simulation::demandHands(const StepCommand& command) const {
+  if (source_ == nullptr && !command.is_none)
+    throw std::invalid_argument("step: a simulated surgeon has the hands: no command, or motion=None");
+}
+
 /** A packet with more than its limit would be refused whole, and nothing would move. */
 void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const {
-  Vector3 motion = toEigen(command.move_W);
+  Pose from, to{Matrix3::Identity(), toEigen(command.move_W)};
   if (command.joints) {
-    const ArmGeometry& geometry = config_.arms.geometry;
-    const Vector3 now = kinematics::forward(geometry, arm, at(view().model.arms, arm).q_d).p;
-    motion = kinematics::forward(geometry, arm, *command.joints).p - now;
+    from = led(arm);
+    to = kinematics::forward(config_.arms.geometry, arm, *command.joints);
   }
-  const double largest = 1e3 * motion.cwiseAbs().maxCoeff() / ticks;
+  const double largest = 1e3 * (to.p - from.p).cwiseAbs().maxCoeff() / ticks;
   const double allowed = 1e-3 * (config_.network.itp.max_increment_um - 1);  // less what rounding may add
-  if (largest <= allowed) return;
-  char text[160];
-  std::snprintf(text, sizeof text, "%s: %.3g mm in a tick, at most %.3g mm along an axis: take more ticks", name(arm),
-                largest, allowed);
-  throw std::invalid_argument(text);
+  if (largest > allowed) {
+    char text[160];
+    std::snprintf(text, sizeof text, "%s: %.3g mm in a tick, at most %.3g mm along an axis: take more ticks", name(arm),
+                  largest, allowed);
+    throw std::invalid_argument(text);
+  }
+  demandSlowTurn(arm, from.R, to.R, ticks);
 }
 
 void Simulation::tick() {
@@ -209,6 +229,10 @@ void Simulation::tick() {
     stack_->tick();
     if (!recording_) stack_->discardRecords();
   }
+  if (source_ != nullptr) {
+    under_way_.add(source_->sequence(), source_->done(), source_->mayMove());
+    under_way_.arrived(stack_->arrived());
+  }
   if (recording_ && source_ != nullptr) recording_->note(source_->done());
   if (recording_) recording_->follow();
 }
@@ -216,11 +240,10 @@ void Simulation::tick() {
 void Simulation::step(const StepCommand& command, int ticks) {
   const std::lock_guard<std::mutex> lock(mutex_);
   demandOpen();
+  demandHands(command);
   physics::attachOdeToThread();
-  for (const Arm arm : kArms) {
-    const ArmCommand& wanted = at(command.arms, arm);
-    demandSlow(arm, wanted, ticks);
-  }
+  for (const Arm arm : kArms)
+    demandSlow(arm, at(command.arms, arm), ticks);
   for (const Arm arm : kArms) {
     const ArmCommand& wanted = at(command.arms, arm);
     if (wanted.jaw) at(jaws_, arm) = limited(*wanted.jaw);
@@ -272,25 +295,38 @@ console::HandsCommand Simulation::handsFor(const StepCommand& command, int ticks
 double Simulation::graspFor(Arm arm, bool pedal) const {
   const double sent = source_->grasp(arm);
   if (!pedal || !at(jaws_, arm) || !source_->mayMove()) return sent;
-  return sent + *at(jaws_, arm) - kinematics::jawOpening(at(view().model.arms, arm).q_d);
+  const double led = kinematics::jawOpening(at(view().model.arms, arm).q_d) + under_way_.of(arm).grasp;
+  return sent + *at(jaws_, arm) - led;
 }
 
-/** From the model's desired pose toward that of the joints, so that what was rounded before counts. */
-void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) {
-  const ArmGeometry& geometry = config_.arms.geometry;
-  const Pose now = kinematics::forward(geometry, arm, at(view().model.arms, arm).q_d);
-  const Pose goal = kinematics::forward(geometry, arm, joints);
+/** Where everything sent so far leads the tool: the model's desired pose, and what is under way. */
+Pose Simulation::led(Arm arm) const {
+  Pose pose = kinematics::forward(config_.arms.geometry, arm, at(view().model.arms, arm).q_d);
+  const Matrix3 I_to_B = control::itpToBase(arm);
+  const UnderWay::Motion coming = under_way_.of(arm);
+  pose.p += I_to_B * toEigen(coming.move_I);
+  if (coming.turn_I == kIdentityQuat) return pose;
+  const Matrix3 turn_I = toEigen(coming.turn_I).normalized().toRotationMatrix();
+  pose.R = I_to_B * turn_I * I_to_B.transpose() * pose.R;
+  return pose;
+}
+
+/** Toward the pose of the joints, so that what was rounded before counts. */
+void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const {
+  const Pose now = led(arm);
+  const Pose goal = kinematics::forward(config_.arms.geometry, arm, joints);
   const Matrix3 B_to_I = control::itpToBase(arm).transpose();
   const Eigen::AngleAxisd turn(Matrix3(goal.R * now.R.transpose()));
   at(hands->move_I, arm) = toArray(Vector3(B_to_I * (goal.p - now.p) / left));
-  at(hands->turn_I, arm) = quaternionOf(B_to_I * (turn.angle() / left * turn.axis()));
+  const double angle = std::min(turn.angle() / left, kMaxTurn);
+  at(hands->turn_I, arm) = quaternionOf(B_to_I * (angle * turn.axis()));
 }
 
 Snapshot Simulation::save() {
   const std::lock_guard<std::mutex> lock(mutex_);
   demandOpen();
   if (recording_) throw std::runtime_error("a recorded simulation cannot go back: save() needs one without output");
-  return {{}, number_, jaws_, arena_.copy()};
+  return {{}, number_, jaws_, under_way_, arena_.copy()};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
@@ -298,6 +334,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   demandOpen();
   if (snapshot.owner != number_) throw std::invalid_argument("the snapshot is another simulation's");
   jaws_ = snapshot.jaws;
+  under_way_ = snapshot.under_way;
   arena_.restore(snapshot.memory);
 }
 

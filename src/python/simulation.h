@@ -8,6 +8,7 @@
 
 #include "python/arena.h"
 #include "python/constructed.h"
+#include "python/under_way.h"
 #include "raven2_trainer/config/overrides.h"
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/commanded_source.h"
@@ -43,12 +44,14 @@ struct ArmCommand {
 struct StepCommand {
   PerArm<ArmCommand> arms{};
   bool pedal{true};
+  bool is_none{false};  ///< the tools rest
 };
 
 /** A copy of all of a simulation's state. It fits that simulation alone. */
 struct Snapshot : Constructed {
   std::uint64_t owner{};
   PerArm<std::optional<double>> jaws{};
+  UnderWay under_way;
   std::vector<std::byte> memory;
 };
 
@@ -63,7 +66,8 @@ class Simulation : public Constructed {
   explicit Simulation(const SimulationOptions& options);
   ~Simulation();
 
-  /** Ticks of a command. @throw std::invalid_argument for numbers that are not finite or a motion that is too fast. */
+  /** Ticks of a command. @throw std::invalid_argument for numbers that are not finite or a motion that is too fast,
+   *  and where a simulated surgeon has the hands. */
   void step(const StepCommand& command, int ticks);
 
   /** Pedal up, until the arms wait for it. @return ticks. @throw std::runtime_error after `limit` ticks. */
@@ -96,13 +100,15 @@ class Simulation : public Constructed {
   class Recording;
 
   void demandOpen() const;
+  void demandHands(const StepCommand& command) const;
   void demandSlow(Arm arm, const ArmCommand& command, int ticks) const;
   void build(const SimulationOptions& options);
   void destroyStack();
   void tick();
   console::HandsCommand handsFor(const StepCommand& command, int ticks, int left);
   double graspFor(Arm arm, bool pedal) const;
-  void approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands);
+  void approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const;
+  Pose led(Arm arm) const;
 
   mutable std::mutex mutex_;
   const std::uint64_t number_;
@@ -116,6 +122,7 @@ class Simulation : public Constructed {
   console::CommandedSource* source_{nullptr};  // owned by the stack; null: a simulated surgeon
   std::unique_ptr<lockstep::LockstepStack> stack_;
   PerArm<std::optional<double>> jaws_{};  // [rad] commanded openings
+  UnderWay under_way_;
   const bool has_robot_;
   bool is_closed_{false};
 };

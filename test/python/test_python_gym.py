@@ -63,6 +63,12 @@ seed = next(seed for seed in range(20) if env.reset(seed=seed)[1]["variation"] =
 observation, _ = env.reset(seed=seed)
 assert observation["picture"].shape == (48, 64, 3) and observation["picture"].std() > 5
 assert env.observation_space.contains(observation)
+env.close()
+try:
+    gymnasium.make("raven2_trainer/PickRing-v0", hazard="sudden_jump", robot="none")
+    raise AssertionError("a hazard of the robot without a robot")
+except ValueError as error:
+    assert "sudden_jump acts on the robot" in str(error)
 print("all good")
 """
 

@@ -319,14 +319,74 @@ def test_settings_plant_and_link_change_what_they_name():
     assert np.abs(late[0] - usual[0]).max() > 1e-4 and np.array_equal(late[1], moved(link="wan")[1])
 
 
+def assert_goes_straight(simulation, command, goal, quantity):
+    """To the goal over a link, and never far beyond it: a straight motion of the tool is not quite straight in joints."""
+    begin = quantity()
+    seen = [begin]
+    for call in range(120):
+        simulation.step(command if call < 60 else None, ticks=5)
+        seen.append(quantity())
+    assert seen[-1] == pytest.approx(goal, abs=2e-3)
+    assert (np.max(seen, axis=0) < np.maximum(begin, goal) + 0.01).all() and (np.min(seen, axis=0) > np.minimum(begin, goal) - 0.01).all()
+
+
+@pytest.mark.parametrize("robot", ["none", "virtual"])
+def test_over_a_link_no_motion_is_sent_twice(robot):
+    """Jaws and set points come late, and once: what is under way is not sent again. Rotations and both arms, too."""
+    with raven2_trainer.Simulation(robot=robot, link="wan") as simulation:
+        simulation.start()
+        state = simulation.state
+        for jaws in ((0.6, 0.3), (0.8, 0.9)):
+            assert_goes_straight(simulation, {"gold": {"jaw": jaws[0]}, "green": {"jaw": jaws[1]}}, jaws, lambda: state.desired_joints[:, 5:].sum(axis=1))
+        goal = state.desired_joints + np.array([[0.05, -0.04, 0.004, 0.3, 0.1, 0.05, 0.05], [-0.05, 0.04, 0.002, -0.3, 0.1, -0.05, -0.05]])
+        assert_goes_straight(simulation, {"gold": {"joints": goal[0]}, "green": {"joints": goal[1]}}, goal, state.desired_joints.copy)
+
+
+def test_a_restored_simulation_knows_what_is_under_way():
+    with raven2_trainer.Simulation(robot="none", link="wan") as simulation:
+        simulation.start()
+        simulation.step({"gold": {"jaw": 0.6}}, ticks=20)
+        snapshot = simulation.save()
+        simulation.step(ticks=300)
+        rest = numbers(simulation)
+        simulation.restore(snapshot)
+        simulation.step(ticks=300)
+        assert numbers(simulation) == rest
+
+
+def test_set_points_that_turn_the_tool_too_fast_are_refused(ready):
+    ready.step(ticks=10)  # the pedal is down, and the robot knows
+    goal = ready.state.desired_joints[0] + [0, 0, 0, 0.5, 0, 0, 0]
+    with pytest.raises(ValueError, match="gold: joints turn the tool by .* take more ticks"):
+        ready.step({"gold": {"joints": goal}}, ticks=3)
+    ready.step({"gold": {"joints": goal}}, ticks=6)
+    ready.step(ticks=20)
+    assert ready.state.desired_joints[0] == pytest.approx(goal, abs=2e-3)
+
+
+def test_a_simulated_surgeon_takes_no_commands():
+    with raven2_trainer.Simulation(PICK, motion="expert") as simulation:
+        simulation.step(ticks=5)
+        for command in ({"gold": {"move": [0, 0, 0.001]}}, {"pedal": False}, np.zeros((2, 7))):
+            with pytest.raises(ValueError, match="a simulated surgeon has the hands"):
+                simulation.step(command)
+        assert simulation.state.tick == 5
+
+
+def test_many_at_once_raise_what_one_would():
+    many = raven2_trainer.VectorSimulation(2, robot="none")
+    with pytest.raises(ValueError, match="take more ticks"):
+        many.step([None, {"gold": {"move": [0, 0, 0.5]}}])
+
+
 def test_settings_that_are_not_good_are_refused_with_their_key():
     for settings, says in (({"model/contact_mo": 1}, r"model/contact_mo|contact_mo"), ({"model/contact_mu": -1}, r"contact_mu"),
                            ({"model/contact_mu": float("nan")}, "contact_mu"), ({"injection/enable": False}, "files alone"),
                            ({"model/viscous_friction": [1, 2]}, "viscous_friction")):
         with pytest.raises(raven2_trainer.ConfigError, match=says):
             raven2_trainer.Simulation(settings=settings)
-    for options in ({"plant": "wood"}, {"link": "string"}):
-        with pytest.raises(raven2_trainer.ConfigError, match="wood|string"):
+    for options in ({"plant": "wood"}, {"link": "string"}, {"motion": "expert"}, {"motion": "clumsy:bear"}, {"motion": "dance"}):
+        with pytest.raises(raven2_trainer.ConfigError, match="wood|string|needs an exercise|dance"):
             raven2_trainer.Simulation(**options)
     with pytest.raises(ValueError, match="robot is 'none'"):
         raven2_trainer.Simulation(robot="none", plant="worn_tool")

@@ -24,6 +24,8 @@ class CommandedSource : public MotionSource {
 
   /** [rad] Jaw opening of the newest command. */
   double grasp(Arm arm) const noexcept { return at(command_.grasp, arm); }
+  /** Number of the packet that the last tick's command went out with. */
+  std::uint32_t sequence() const noexcept { return sequence_; }
   /** Command of the last tick. */
   const HandsCommand& done() const noexcept { return done_; }
   /** Whether a command would move the tools: the robot is ready. */
@@ -36,6 +38,7 @@ class CommandedSource : public MotionSource {
   const double scale_;
   HandsCommand command_, done_;
   Intent intent_;
+  std::uint32_t sequence_{0};
   bool may_move_{false};
 };
 
