@@ -3,7 +3,7 @@
 The log describes itself: its first record lists the fields of every other record, and the numpy types are built from
 that list, so this module knows no field by name. Format: doc/session.md.
 
-    import raven2_session
+    import raven2_session                          # in scripts/; elsewhere: from raven2_trainer import session as raven2_session
     session = raven2_session.Session("sessions/2026-01-31T12-00-00Z")
     session.log.ticks["model"]["arms"]["q"]         # shape (ticks, 2 arms, 7 joints), rad; m for joint 3
     session.log.ticks["robot"]["active_fault"]      # shape (ticks,)

@@ -11,7 +11,7 @@ import subprocess
 
 import numpy as np
 from raven2_exports import episode
-from raven2_progress import Bar
+from raven2_progress import Bar, cancelling
 
 import raven2_session
 
@@ -105,8 +105,8 @@ def make_part(directory, folder, fps, pictures):
 def make_parts(directories, work, fps, pictures, jobs):
     """Parts of all sessions, in the order of splits and names. @throw SessionError with the first reason, after all others."""
     folders = {directory: pathlib.Path(work) / _key(directory, fps, pictures) for directory in directories}
-    bar, refused = Bar(len(directories)), []
-    with concurrent.futures.ProcessPoolExecutor(jobs) as pool:
+    bar, refused = Bar(len(directories), "exported"), []
+    with cancelling(concurrent.futures.ProcessPoolExecutor(jobs)) as pool:
         waiting = {pool.submit(make_part, directory, folder, fps, pictures): directory for directory, folder in folders.items()}
         for each in concurrent.futures.as_completed(waiting):
             refused += [each.result()] if each.result() else []

@@ -5,6 +5,7 @@ import os
 import pathlib
 import subprocess
 import sys
+import time
 import types
 
 import h5py
@@ -287,4 +288,25 @@ def test_shares_of_a_data_set_come_together(tmp_path):
     done = export(*words, "--hazards", "own,own", program=script)
     assert done.returncode == 2 and "own,own: a name is given twice" in done.stderr
     done = export("--exercise", "nothing", "--seeds", "1", "--output", tmp_path / "other", program=script)
-    assert done.returncode == 1 and "nothing" in done.stderr
+    assert done.returncode == 2 and "nothing" in done.stderr
+
+
+def test_a_wrong_hazard_is_found_before_the_first_session(tmp_path):
+    done = export("--exercise", "pick_hand_over_place", "--seeds", "1", "--hazards", "own,sudden_jumb", "--output", tmp_path / "set.hdf5",
+                  program=ROOT / "scripts/make_dataset")
+    assert done.returncode == 2 and "sudden_jumb" in done.stderr and not list(tmp_path.iterdir()), done.stderr
+
+
+def test_a_terminated_run_ends_its_simulations_and_leaves_no_half_session(tmp_path):
+    command = [ROOT / "scripts/make_dataset", "--exercise", "ring_tower_transfer", "--seeds", "1-50", "--hazards", "none", "--jobs", "2",
+               "--output", tmp_path / "set.hdf5"]
+    sessions = tmp_path / "set.hdf5.sessions"
+    with subprocess.Popen(list(map(str, command)), stderr=subprocess.PIPE, text=True, env=dict(os.environ)) as running:
+        until = time.monotonic() + 60
+        while time.monotonic() < until and not list(sessions.glob("*.unfinished/session.rlog")):
+            time.sleep(0.02)
+        simulating = subprocess.run(["pgrep", "-f", f"simulate.*{sessions}"], capture_output=True, text=True, check=False).stdout.split()
+        running.terminate()
+        assert running.wait(timeout=60) == 143
+    left = subprocess.run(["pgrep", "-f", f"simulate.*{sessions}"], capture_output=True, text=True, check=False).stdout.split()
+    assert simulating and not left and not list(sessions.glob("*.unfinished"))
