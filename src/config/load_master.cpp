@@ -135,6 +135,14 @@ void readDevices(Section& root, MasterConfig* c) {
     throw ConfigException(root.where("devices") + " has neither left nor right");
 }
 
+/** Several topics are one button each, so the number of buttons is known. */
+void checkButton(const std::string& place, Arm arm, const DeviceTopics& device, int button) {
+  const std::size_t count = device.buttons.size();
+  if (count < 2 || button < static_cast<int>(count)) return;
+  throw ConfigException(place + " is button " + std::to_string(button) + ", but " + deviceName(arm) + " has " +
+                        std::to_string(count) + " topics of buttons, 0 to " + std::to_string(count - 1));
+}
+
 /** Checks the inputs that a device needs. */
 void checkInputs(const Section& root, const MasterConfig& c) {
   for (const Arm arm : kArms) {
@@ -149,6 +157,8 @@ void checkInputs(const Section& root, const MasterConfig& c) {
       throw ConfigException(root.where("devices") + ": " + deviceName(arm) + " has no buttons, but one is asked for");
     if ((is_gripper || c.gripper_from == GripperFrom::kAxis) && device.gripper_input < 0)
       throw ConfigException(root.where("devices") + ": " + deviceName(arm) + " has no gripper_input");
+    if (is_pedal) checkButton(root.where("pedal"), arm, device, c.pedal_button);
+    if (is_gripper) checkButton(root.where("gripper"), arm, device, device.gripper_input);
   }
   if (c.gripper_from == GripperFrom::kAxis && !traitsOf(c.family).has_axes)
     throw ConfigException(root.where("gripper") + ": only family joy has axes");

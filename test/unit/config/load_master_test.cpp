@@ -165,6 +165,21 @@ TEST(LoadMaster, ThePedalIsOfADeviceThatIsThereAndHasButtons) {
   expectRefused(load, bare(onTheLeft(left)), 24, "left has no buttons");
 }
 
+/** Several topics are one button each; one topic may carry any number. */
+TEST(LoadMaster, AButtonThatTheTopicsDoNotHaveIsRefused) {
+  const std::string far_pedal = replaced(kGood, "button: 0", "button: 2");
+  expectRefused(load, far_pedal, 21, "pedal is button 2, but right has 2 topics of buttons, 0 to 1");
+  expectRefused(load, onTheLeft(far_pedal), 21, "but left has 2 topics");
+  const std::string far_jaws = replaced(kGood, "gripper_input: 1", "gripper_input: 2");
+  expectRefused(load, far_jaws, 22, "gripper is button 2, but right has 2 topics of buttons");
+  const auto oneTopic = [](const std::string& text) {
+    return replaced(text, "[/right/button1, /right/button2]", "[/right/buttons]");
+  };
+  EXPECT_NO_THROW(load(oneTopic(far_pedal)));
+  EXPECT_NO_THROW(load(oneTopic(far_jaws)));
+  EXPECT_NO_THROW(load(replaced(replaced(far_pedal, "from: any", "from: topic"), "topic: \"\"", "topic: /pedal")));
+}
+
 /** Each of the three directions takes another axis of the device. */
 TEST(LoadMaster, NoAxisIsUsedTwiceAndNoneIsMirrored) {
   for (const auto& [good, bad] : std::vector<std::pair<const char*, const char*>>{
