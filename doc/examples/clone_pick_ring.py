@@ -3,7 +3,7 @@
 50 seeds that it has not seen.
 
     /usr/bin/python3 -m venv --system-site-packages ENV && ENV/bin/pip install gymnasium scikit-learn
-    ENV/bin/python doc/examples/clone_pick_ring.py        # some minutes on two cores
+    ENV/bin/python doc/examples/clone_pick_ring.py        # half a minute on two cores
 
 The network learns where the expert will be in 0.2 s, not the expert's speed: that is 0 before and after each motion, and a network
 that learned it would stay there. It also learns from poses next to the path, so that it comes back to it.
@@ -138,9 +138,9 @@ class Policy:
                                [2 * seen.jaws - 1.4, 100 * seen.height - 1.6]])
 
 
-def episode(policy, seed):
+def episode(policy, seed, variations):
     """@return whether the ring was lifted."""
-    env = gymnasium.make("raven2_trainer/PickRing-v0")
+    env = gymnasium.make("raven2_trainer/PickRing-v0", variations=variations)
     env.reset(seed=seed)
     over = False
     while not over:
@@ -154,6 +154,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--demonstrations", type=int, default=20)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--variations", type=int, default=1, help="other friction and networks in the test than in the demonstrations: 20, for example")
     options = parser.parse_args()
     begin = time.monotonic()
     with concurrent.futures.ProcessPoolExecutor(len(os.sched_getaffinity(0))) as pool:
@@ -161,7 +162,7 @@ def main():
         print(f"{sum(map(len, shown))} frames of {len(shown)} sessions after {time.monotonic() - begin:.0f} s", flush=True)
         policy = Policy(shown, options.seed)
         print(f"learned after {time.monotonic() - begin:.0f} s", flush=True)
-        lifted = list(pool.map(episode, 50 * [policy], range(10**6, 10**6 + 50)))
+        lifted = list(pool.map(episode, 50 * [policy], range(10**6, 10**6 + 50), 50 * [options.variations]))
     print(f"success {sum(lifted)} of 50 unseen seeds after {time.monotonic() - begin:.0f} s")
 
 

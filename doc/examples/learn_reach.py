@@ -59,7 +59,7 @@ def main():
             seeds = range(1000 * generation, 1000 * generation + options.episodes)
             candidates = search.ask()
             search.tell(candidates, list(pool.map(cost, candidates, len(candidates) * [seeds])))
-            if generation % 10 == 9:
+            if generation % 10 in (0, 9):
                 print(f"generation {generation + 1}: reward {-search.best.last.f:.2f}, {time.monotonic() - begin:.0f} s", flush=True)
         tried = list(pool.map(episode, 100 * [search.result.xfavorite], range(10**6, 10**6 + 100)))
     print(f"success {sum(success for _, success in tried)} of 100 unseen seeds after {time.monotonic() - begin:.0f} s")
