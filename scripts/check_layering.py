@@ -63,7 +63,7 @@ RULES = {
 }
 # System headers that a pure module must not reach, not even through our headers: clocks, threads, files, sockets, ROS.
 PURE_MODULES = {"core", "kinematics", "control", "haptics", "faults", "detector", "wire", "impair", "raven", "loop"}
-IMPURE = re.compile(r"(chrono|thread|mutex|shared_mutex|condition_variable|future|fstream|filesystem|iostream|ctime|csignal)$"
+IMPURE = re.compile(r"(chrono|thread|mutex|shared_mutex|condition_variable|future|fstream|filesystem|iostream|istream|ostream|sstream|ios|ctime|csignal|semaphore|latch|barrier|stop_token)$"
                     r"|(pthread|semaphore|sched|time|signal|unistd|fcntl|poll|netdb|dlfcn)\.h$"
                     r"|(sys|linux|arpa|net|netinet|ros|ode)/")
 
@@ -72,7 +72,8 @@ WHOLE = "raven2_trainer/config/trainer_config.h"
 ROOTS = re.compile(r"(include/raven2_trainer|src)/(config|daemon|lockstep|robot|recording|studies|campaign|python|apps)/"
                    r"|src/ros/bridge/|include/raven2_trainer/ros/session_replay\.h")
 
-INCLUDE = re.compile(r'^\s*#\s*include\s+([<"])([^>"]+)[>"]')
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+OTHER_INCLUDE = re.compile(r"^\s*#\s*(include|import|include_next)\b")
 
 
 def violations(module, path):
@@ -80,13 +81,24 @@ def violations(module, path):
     if allowed is None:
         return
     for number, header, quoted in includes(path):
-        if quoted and (path.parent / header).is_file():
-            continue  # a private header next to its source
+        if header is None:
+            yield f"{path.relative_to(ROOT)}:{number}: an include that this check cannot read"
+            continue
+        if quoted and (path.parent / header).is_file():  # a private header next to its source, or another module's
+            header = whole_path((path.parent / header).resolve())
+            if header.startswith(module + "/"):
+                continue
         reason = judge(module, header, quoted, allowed, foreign)
         if header == WHOLE and not ROOTS.match(str(path.relative_to(ROOT))):
             reason = "no composition root"
         if reason:
             yield f"{path.relative_to(ROOT)}:{number}: {header}: {reason}"
+
+
+def whole_path(path):
+    """As an include of any file names it."""
+    folder = "include" if path.is_relative_to(ROOT / "include") else "src"
+    return str(path.relative_to(ROOT / folder))
 
 
 def judge(module, header, quoted, allowed, foreign):
@@ -110,6 +122,8 @@ def includes(path):
         match = INCLUDE.match(line)
         if match:
             yield number, match.group(2), match.group(1) == '"'
+        elif OTHER_INCLUDE.match(line):
+            yield number, None, False
 
 
 def resolved(path, header):
@@ -120,6 +134,8 @@ def resolved(path, header):
 def reached(path, seen):
     """Forbidden headers that a pure module's file reaches: (our file, line, system header)."""
     for number, header, quoted in includes(path):
+        if header is None:
+            continue
         ours = resolved(path, header) if quoted else None
         if ours and ours not in seen:
             seen.add(ours)
@@ -159,6 +175,7 @@ def main():
     args = parser.parse_args()
     files = list(sources())
     found = [line for module, path in files for line in violations(module, path)] + list(impurities(files))
+    found += [f"src/{folder.name}: has no rule" for folder in (ROOT / "src").iterdir() if folder.is_dir() and folder.name not in RULES]
     print("\n".join(found) if found else f"{len(files)} files keep the layers")
     if not files:
         found = ["no files found"]

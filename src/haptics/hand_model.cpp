@@ -1,5 +1,7 @@
 #include "raven2_trainer/haptics/hand_model.h"
 
+#include "raven2_trainer/core/types.h"
+
 namespace raven2_trainer::haptics {
 
 HandModel::HandModel(const HandConfig& config) noexcept

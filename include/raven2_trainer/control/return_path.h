@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+
+#include "raven2_trainer/core/types.h"
+
 namespace raven2_trainer::control {
 
 /**

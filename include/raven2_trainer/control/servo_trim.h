@@ -4,6 +4,7 @@
 #include <cstddef>
 
 #include "raven2_trainer/kinematics/arms_config.h"
+#include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::control {
 
