@@ -89,6 +89,7 @@ Execution::Execution(Planning* planning, Trial* trial, Stage* stage) noexcept
 
 PlanningAnswer Execution::request(const Request& request) noexcept {
   if (request.kind == RequestKind::kExecutePlan) return arm(request);
+  if (request.kind != RequestKind::kCancelPlan) return PlanningAnswer::kNotNow;
   cancelAll();
   return PlanningAnswer::kAccepted;
 }

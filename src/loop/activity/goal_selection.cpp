@@ -10,8 +10,10 @@ PlanningAnswer GoalSelection::request(const Request& request) noexcept {
       return begin(request.arm);
     case RequestKind::kRecordGoal:
       return record(request);
-    default:
+    case RequestKind::kEndPlanning:
       return end();
+    default:
+      return PlanningAnswer::kNotNow;
   }
 }
 

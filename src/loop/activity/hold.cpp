@@ -15,6 +15,7 @@ void Hold::lead(PerArm<JointArray>* target) noexcept {
 /** The robot is sent pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */
 PlanningAnswer Hold::request(const Request& request) noexcept {
   if (request.kind == RequestKind::kClearStop) return clearStop();
+  if (request.kind != RequestKind::kEmergencyStop) return PlanningAnswer::kNotNow;
   stage_.stop_asked = true;
   raise(Event::kEmergencyStop);
   return PlanningAnswer::kAccepted;

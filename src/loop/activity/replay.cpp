@@ -10,7 +10,8 @@ constexpr int kMostTaken = 64;  // [1 a tick] frames of a replay that was given 
 }  // namespace
 
 PlanningAnswer Replay::request(const Request& request) noexcept {
-  return request.kind == RequestKind::kEndReplay ? ask(Event::kReplayEnded) : begin(request);
+  if (request.kind == RequestKind::kEndReplay) return ask(Event::kReplayEnded);
+  return request.kind == RequestKind::kBeginReplay ? begin(request) : PlanningAnswer::kNotNow;
 }
 
 /** Its player began before, and its number is of this replay alone. */

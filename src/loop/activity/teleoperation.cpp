@@ -12,9 +12,11 @@ PlanningAnswer Teleoperation::request(const Request& request) noexcept {
       return stage_.mayBegin() ? ask(Event::kSimulationWanted) : PlanningAnswer::kNotNow;
     case RequestKind::kEndSimulation:
       return stage_.pedal.isUp() ? ask(Event::kSimulationEnded) : PlanningAnswer::kNotNow;
-    default:
+    case RequestKind::kSetEffort:
       push(request);
       return PlanningAnswer::kNone;
+    default:
+      return PlanningAnswer::kNotNow;
   }
 }
 

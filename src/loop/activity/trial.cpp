@@ -15,8 +15,10 @@ PlanningAnswer Trial::request(const Request& request) noexcept {
       return ask(Event::kTrialDone);
     case RequestKind::kDiscardTrial:
       return stage_.pedal.isUp() ? ask(Event::kTrialDiscarded) : PlanningAnswer::kNotNow;
-    default:
+    case RequestKind::kRepeatTrial:
       return repeat(request);
+    default:
+      return PlanningAnswer::kNotNow;
   }
 }
 
