@@ -110,7 +110,10 @@ class Access:
 
 def same_origin(origin, host):
     """Of a WebSocket or POST: the page that asks is one of ours."""
-    return bool(origin) and urlsplit(origin).netloc == host
+    try:
+        return bool(origin) and urlsplit(origin).netloc == host
+    except ValueError:
+        return False
 
 
 def is_local_name(host):

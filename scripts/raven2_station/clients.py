@@ -7,19 +7,22 @@ import time
 MOST_WAITING = 500    # messages; a page that reads no more than that is closed
 RATE, BURST = 200.0, 400.0  # [1/s], messages of a page
 MOST_DROPPED = 2000   # messages over that rate, then the page is closed
+MOST_AHEAD = 3        # pictures that the page has not shown yet
+WRITE_LIMIT = 5.0     # [s] for one message: the page is gone
 PICTURES = {"view": b"\x00", "camera": b"\x01"}
 
 
 class Client:
     """@param role: instructor or trainee."""
 
-    def __init__(self, socket, role, number):
-        self.socket, self.role, self.number = socket, role, number
+    def __init__(self, socket, role, number, transport=None):
+        self.socket, self.role, self.number, self._transport = socket, role, number, transport
         self.wants = {"view"}      # pictures
         self._texts, self._pictures = [], {}
         self._wake = asyncio.Event()
         self._tokens, self._filled, self.dropped = BURST, time.monotonic(), 0
         self.overrun = False
+        self.acknowledges, self._ahead = False, 0
 
     def send(self, message):
         if len(self._texts) >= MOST_WAITING:
@@ -33,6 +36,11 @@ class Client:
         if which in self.wants:
             self._pictures[which] = data
             self._wake.set()
+
+    def shown(self):
+        """The page has shown one more picture."""
+        self._ahead = max(0, self._ahead - 1)
+        self._wake.set()
 
     def may_speak(self):
         """@return whether one more message is within the rate."""
@@ -53,9 +61,20 @@ class Client:
             if self.overrun:
                 await self.socket.close(code=1008, message=b"the page reads too slowly")
                 return
-            texts, self._texts = self._texts, []
-            pictures, self._pictures = self._pictures, {}
-            for text in texts:
-                await self.socket.send_str(text)
-            for which, data in pictures.items():
-                await self.socket.send_bytes(PICTURES[which] + data)
+            try:
+                await asyncio.wait_for(self._write_all(), WRITE_LIMIT)
+            except asyncio.TimeoutError:
+                if self._transport is not None:
+                    self._transport.abort()  # close() would wait for the page to read
+                return
+
+    async def _write_all(self):
+        texts, self._texts = self._texts, []
+        for text in texts:
+            await self.socket.send_str(text)
+        if self.acknowledges and self._ahead >= MOST_AHEAD:
+            return
+        pictures, self._pictures = self._pictures, {}
+        for which, data in pictures.items():
+            self._ahead += 1
+            await self.socket.send_bytes(PICTURES[which] + data)

@@ -1,8 +1,9 @@
-"""Work after a session: the report, and the video on request. One program at a time, at the lowest priority."""
+"""Work after a session: the report, and the video on request. One report and one video at a time, at the lowest priority."""
 
 import asyncio
 import contextlib
 import os
+import pathlib
 import re
 import signal
 
@@ -15,10 +16,10 @@ class Finisher:
 
     def __init__(self, programs, scripts, changed):
         self._programs, self._scripts, self._changed = programs, scripts, changed
-        self._lock = asyncio.Lock()
-        self._wanted = set()
+        self._locks = {"report": asyncio.Lock(), "video": asyncio.Lock()}  # a report does not wait for a video
+        self._wanted, self._again = set(), set()
         self._tasks = set()
-        self._running = None  # (what, process)
+        self._running = {}  # what -> process
         self._ends = False
 
     def report(self, directory):
@@ -30,6 +31,7 @@ class Finisher:
     def _begin(self, directory, what, command):
         key = (directory.name, what)
         if key in self._wanted:
+            self._again |= {key} if what == "report" else set()  # of the session as it is now
             return None
         self._wanted.add(key)
         task = asyncio.ensure_future(self._run(key, command))
@@ -45,22 +47,25 @@ class Finisher:
             await asyncio.wait(self._tasks, timeout=PATIENCE)
         self._stop("report")
 
+    def is_busy(self, name):
+        return any((name, what) in self._wanted for what in self._locks)
+
     def _stop(self, what):
-        if self._running is not None and self._running[0] == what:
+        if what in self._running:
             with contextlib.suppress(ProcessLookupError):
-                os.killpg(self._running[1].pid, signal.SIGTERM)
+                os.killpg(self._running[what].pid, signal.SIGTERM)
 
     async def _run(self, key, command):
         name, what = key
         try:
-            async with self._lock:
+            async with self._locks[what]:
                 if self._ends and what == "video":
                     return
                 self._changed(name, what, 0.0, "")
                 process = await asyncio.create_subprocess_exec(
                     "nice", "-n", "19", *command, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
                     stderr=asyncio.subprocess.PIPE, start_new_session=True)
-                self._running = (what, process)
+                self._running[what] = process
                 if self._ends and what == "video":  # meanwhile
                     self._stop(what)
                 last = b""
@@ -73,8 +78,11 @@ class Finisher:
                     if found:
                         self._changed(name, what, min(0.99, int(found[-1]) / 100), "")
                 code = await process.wait()
-                self._running = None
+                del self._running[what]
                 lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
                 self._changed(name, what, 1.0 if code == 0 else None, "" if code == 0 else (lines or ["it failed"])[-1][:200])
         finally:
             self._wanted.discard(key)
+            if key in self._again:
+                self._again.discard(key)
+                self._begin(pathlib.Path(command[-1]), what, command)

@@ -13,6 +13,7 @@ HALF = 2.0        # [m] from the middle: beyond it the device goes back while th
 BACK_SPEED = 1.0  # [m/s]
 LONGEST = 0.1     # [s] that one message may count for, and by which motion may come later; what is more is lost
 FOLLOWING = {"teleoperating", "simulating", "trial"}  # modes in which the hands move something with a held pedal
+LINGER = 0.15     # [s] for which the camera pedal stays down behind its key: the other pedal must be up before it
 DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
 
 
@@ -89,6 +90,8 @@ class Hands:
     def __init__(self):
         self.arms = {"gold": Hand(), "green": Hand()}
         self.pedal = self.camera = False
+        self._camera_until = None  # the camera pedal stays down until then
+        self._camera_moves = False
         self._heard, self._dither = None, DITHER
         self._must_press = False   # a key that is still held does not count
         self._followed = False     # since the press, the hands have moved something
@@ -126,7 +129,17 @@ class Hands:
             for hand in self.arms.values():
                 hand.stop()
                 hand.centre(dt)
+        self._camera_until = now + LINGER if camera else self._camera_until
         self.pedal, self.camera, self._heard = pedal, camera, now
+
+    @property
+    def console_pedal(self):
+        """The console sends motion only with its pedal down. With the camera's key alone, once the trainer moves the camera."""
+        return self.pedal or (self.camera and self._camera_moves)
+
+    def camera_pedal(self, now):
+        """For the trainer. If it came up before the console's pedal, the arms would move for a moment."""
+        return self.camera or (self._camera_until is not None and now < self._camera_until)
 
     def poses(self):
         """For the console: what the virtual device publishes."""
@@ -136,6 +149,7 @@ class Hands:
 
     def see(self, mode):
         """A new mode of the trainer."""
+        self._camera_moves = mode == "camera_moving"
         if not self.pedal:
             return
         self._lost = self._followed and mode not in FOLLOWING

@@ -34,7 +34,8 @@ class Library:
         exercises = sorted(_files(config / "exercises"), key=lambda item: item[1].get("number", 0))
         self.exercises = [{"name": name, "title": e["title"], "time_limit": e.get("time_limit"), "skills": e.get("skills", []),
                            "drill": e.get("drill", {}).get("scenario"), "clumsy": sorted(e.get("clumsy", {})),
-                           "expert": bool(e.get("expert")), "steps": words.steps(e)} for name, e in exercises]
+                           "expert": bool(e.get("expert")), "steps": words.steps(e),
+                           "tracks": [len(track.get("steps", [])) for track in e.get("tracks", [])]} for name, e in exercises]
         self.hazards = [{"name": name, "title": h["title"], "expected": h.get("expected", ""), "response": h.get("response", ""),
                          "severity": words.severity(h.get("hazard", [])), "number": h.get("number", 0)}
                         for name, h in _files(config / "faults")]

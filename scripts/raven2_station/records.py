@@ -53,8 +53,9 @@ class Records:
         return sorted((p.name for p in self.folder.iterdir() if NAME.fullmatch(p.name) and not p.is_symlink() and
                        (p / "session.rlog").is_file()), reverse=True)
 
-    def list(self, most=200):
-        return [self.summary(name) for name in self.names()[:most]]
+    def list(self, skip=0, most=200):
+        """The newest, behind the first `skip` of them."""
+        return [self.summary(name) for name in self.names()[skip:skip + most]]
 
     def summary(self, name):
         path = self.directory(name)
@@ -80,7 +81,8 @@ class Records:
 
     def _index(self):
         entries = _dict(_json(self.folder / "index.json")).get("sessions")
-        return [e for e in (entries if isinstance(entries, list) else []) if isinstance(e, dict) and isinstance(e.get("trainee"), str) and e["trainee"]]
+        return [e for e in (entries if isinstance(entries, list) else []) if isinstance(e, dict) and e.get("trainee") and
+                all(isinstance(e.get(key), str) for key in ("trainee", "directory", "start_time_utc"))]
 
     def trainees(self):
         return sorted({e["trainee"] for e in self._index()})
@@ -125,14 +127,14 @@ class Records:
         return rows
 
     def class_csv(self, curriculum):
-        """Text is quoted; a cell that a spreadsheet would take for a formula cannot occur: IDs are of a-z, 0-9, _ and -."""
+        """Text is quoted; an ID that a spreadsheet would take for a formula gets a ' in front."""
         out = io.StringIO()
         writer = csv.writer(out)
         titles = [stage.title for stage in stages_of(curriculum)]
         writer.writerow(["trainee", "sessions", *[f"{t} {what}" for t in titles for what in ("attempts", "passes in a row", "more passes", "done")],
-                         "last session"])
+                         "last session (UTC)"])
         for row in self.the_class(curriculum):
             cells = [value for s in row["stages"] for value in (s["attempts"], s["in_a_row"], s["more"], "yes" if s["done"] else "no")]
-            writer.writerow(["'" + row["trainee"] if row["trainee"].startswith("-") else row["trainee"], row["sessions"], *cells,
+            writer.writerow(["'" + row["trainee"] if row["trainee"].startswith(("=", "+", "-", "@", "\t", "\r")) else row["trainee"], row["sessions"], *cells,
                              row["last"]])
         return out.getvalue()

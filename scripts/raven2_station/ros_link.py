@@ -20,6 +20,7 @@ class RosLink:
         self._connection = None
         self._calls, self._number = {}, 0
         self.is_up = False
+        self.is_taken = False  # another station has this ROS master
 
     async def run(self):
         """For ever: a `ros_side` that ends is started again."""
@@ -57,8 +58,8 @@ class RosLink:
             if not data:
                 return
             for message, extra in messages:
-                if message["t"] == "up":
-                    self.is_up = True
+                if message["t"] in ("up", "taken"):
+                    self.is_up, self.is_taken = message["t"] == "up", message["t"] == "taken"
                     self._changed()
                 elif message["t"] == "called":
                     waiting = self._calls.pop(message["number"], None)
@@ -68,7 +69,7 @@ class RosLink:
                     self._heard(message, extra)
 
     def _lose(self):
-        was_up, self.is_up = self.is_up, False
+        was_up, self.is_up, self.is_taken = self.is_up, False, False
         for waiting in self._calls.values():
             if not waiting.done():
                 waiting.set_result(NO_ANSWER)

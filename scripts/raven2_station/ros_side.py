@@ -12,6 +12,7 @@ import threading
 import time
 import xmlrpc.client
 
+import rosgraph
 import rospy
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus, KeyValue
 from geometry_msgs.msg import PoseStamped, WrenchStamped
@@ -28,7 +29,8 @@ STRIP_PERIOD = 0.04    # [s] of tip error and force: 25 Hz
 HANDS_PERIOD = 0.016   # [s] of the virtual hand device
 MASTER_PERIOD = 0.5    # [s] between questions to the ROS master
 MASTER_PATIENCE = 1.0  # [s] for its answer
-LONGEST_CALL = 20.0    # [s]
+LONGEST_CALL = 60.0    # [s] the next session: the end of one and the start of another
+TAKEN_PERIOD = 0.2     # [s] between looks whether another station has gone
 PEDAL_GAP = 0.08       # [s] below silent_after of config/masters/browser.yaml
 CAMERA_BUTTON = 4      # of `pedals`: config/network.yaml, joy
 FORCES_SILENT = 0.3  # [s] without a force: the strips end
@@ -50,11 +52,27 @@ class _Patient(xmlrpc.client.Transport):
         return connection
 
 
-def master_answers():
+NAME = rosgraph.names.make_caller_id("station")
+
+
+def _master():
+    return xmlrpc.client.ServerProxy(os.environ.get("ROS_MASTER_URI", "http://localhost:11311"), transport=_Patient())
+
+
+def master_pid():
+    """Process of the ROS master, or None: it does not answer."""
     try:
-        code, _, _ = xmlrpc.client.ServerProxy(os.environ.get("ROS_MASTER_URI", "http://localhost:11311"),
-                                               transport=_Patient()).getPid("/station")
-        return code == 1
+        code, _, pid = _master().getPid(NAME)
+        return pid if code == 1 else None
+    except (OSError, xmlrpc.client.Error, xmlrpc.client.ProtocolError):
+        return None
+
+
+def another_station():
+    """Whether a living node has our name. ROS would end it, and it would come back and end us."""
+    try:
+        code, _, uri = _master().lookupNode(NAME, NAME)
+        return code == 1 and xmlrpc.client.ServerProxy(uri, transport=_Patient()).getPid(NAME)[0] == 1
     except (OSError, xmlrpc.client.Error, xmlrpc.client.ProtocolError):
         return False
 
@@ -188,7 +206,7 @@ class BrowserHands:
         pedal = Joy(buttons=[int(self._holds(message["pedal"]))])
         pedal.header.stamp = now
         self._pedal.publish(pedal)
-        camera = bool(message["camera"])
+        camera = bool(message["camera"]) and self._pedal.get_num_connections() > 0  # other masters have a camera pedal of their own
         if camera or self._camera:  # repeated while held; one release
             joy = Joy(buttons=[0] * CAMERA_BUTTON + [int(camera)])
             joy.header.stamp = now
@@ -223,6 +241,9 @@ class Side:
         self._hands = None
 
     def run(self):
+        while another_station():
+            self._link.send({"t": "taken"})
+            time.sleep(TAKEN_PERIOD)
         rospy.init_node("station", disable_signals=True, log_level=rospy.WARN)
         daemon = Daemon(self._link)
         self._hands = BrowserHands()
@@ -238,15 +259,18 @@ class Side:
             service.shutdown()
 
     def _tick(self, daemon):
-        looked, missed = time.monotonic(), 0
+        """Until the master is gone, or another one, or another node has taken our name."""
+        looked, missed, master = time.monotonic(), 0, None
         while True:
             time.sleep(STRIP_PERIOD)
             daemon.strips()
             if time.monotonic() - looked < MASTER_PERIOD:
                 continue
-            missed = 0 if master_answers() else missed + 1
+            pid = master_pid()
+            master = master or pid
+            missed = 0 if pid else missed + 1
             looked = time.monotonic()
-            if missed >= 2:
+            if missed >= 2 or pid not in (None, master) or rospy.is_shutdown():
                 return
             self._link.send({"t": "alive"})
 
@@ -317,7 +341,7 @@ class Side:
 
 def main():
     connection = socket.socket(fileno=os.dup(0))
-    if not master_answers():
+    if master_pid() is None:
         sys.exit(3)  # no ROS master: the server tries again
     priority.come_first(children_too=True)  # if it is refused, the server has said so
     Side(connection).run()

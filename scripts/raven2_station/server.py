@@ -1,7 +1,6 @@
 """HTTP and WebSockets of the station."""
 
 import asyncio
-import contextlib
 import json
 import pathlib
 import ssl
@@ -14,7 +13,7 @@ from .library import Library
 from .records import Records
 from .ros_link import RosLink
 from .station import Station
-from .supervisor import Refused, Supervisor
+from .supervisor import Supervisor
 
 PAGE = pathlib.Path(__file__).resolve().parent / "page"
 STATIC = {p.name: kind for suffix, kind in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml"))
@@ -139,7 +138,7 @@ async def websocket(request):
     socket = web.WebSocketResponse(max_msg_size=LARGEST_MESSAGE, heartbeat=5.0, compress=False)
     await socket.prepare(request)
     request.app["numbers"] += 1
-    client = clients.Client(socket, role, request.app["numbers"])
+    client = clients.Client(socket, role, request.app["numbers"], request.transport)
     writer = asyncio.ensure_future(client.write())
     station.join(client)
     try:
@@ -168,6 +167,9 @@ async def listen(station, client, socket):
         if not isinstance(asked, dict):
             station.refused["no_json_object"] += 1
             client.send({"t": "reply", "id": None, "ok": False, "text": "expected a JSON object"})
+            continue
+        if asked.get("do") == "shown":
+            client.shown()
             continue
         if asked.get("do") == "hands":
             station.take_hands_message(client, asked.get("with"))
@@ -226,9 +228,7 @@ def make_app(options):
             await client.socket.close(code=1001, message=b"the station ends")
         if station.driving:
             station.stop_driving()
-        with contextlib.suppress(Refused):  # the start that was under way has failed
-            if station.supervisor.is_running:
-                await station.supervisor.end()
+        await station.supervisor.close()
         await station.finisher.end()
         for task in app["tasks"]:
             task.cancel()

@@ -9,9 +9,12 @@ from .curriculum import stages_of
 from .supervisor import Refused
 
 DAEMON_SILENT = 1.5  # [s] without a message of the daemon
+DAEMON_START = 4.0   # [s] until the first message of the daemon
 LAST_WORDS = 0.5     # [s] after the end of an own daemon in which its last messages come
 TICK = 0.02          # [s]
 STATUS_PERIOD = 1.0  # [s]
+ALIVE_PERIOD = 0.5   # [s] between messages that show pages that the station works
+STOP_LIMIT = 2.0     # [s] for the trainer's answer to an emergency stop
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
 REPLAY_START = 30.0  # [s] until a session that is started for a replay is ready
 TRIGGERS = {"end-replay": "end_replay", "stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
@@ -34,7 +37,7 @@ class Station:
         self._daemon_heard = self._hands_sent = None
         self._last_health = None
         self._was_foreign = False
-        self._status_at = 0.0
+        self._status_at = self._alive_at = 0.0
 
     # ---- pages
 
@@ -44,9 +47,9 @@ class Station:
         if client.role == "instructor":
             client.send({"t": "library", **self.known.describe(), "trainees": self.records.trainees()})
         else:
-            client.send({"t": "library", "steps": {e["name"]: e["steps"] for e in self.known.exercises}})
+            client.send({"t": "library", **{key: {e["name"]: e[key] for e in self.known.exercises} for key in ("steps", "tracks")}})
         for kind in ("mode", "exercise", "plan", "session"):
-            if kind in self.newest:
+            if kind in self.newest and (kind == "exercise" or self.supervisor.is_running or self.is_foreign):
                 client.send(self._for(client, self.newest[kind]))
         client.send({"t": "station", **self._station(client)})
         client.send({"t": "health", **self.health()})
@@ -88,6 +91,9 @@ class Station:
     def changed(self):
         if self.supervisor.phase == "starting":
             self.newest.clear()  # of the session before
+        if self.driving and self.supervisor.is_running and not self.browser_may_drive:
+            self.driving = None  # somebody else has the hands in this session
+            self.hands.release()
         for client in list(self.clients.values()):
             client.send({"t": "station", **self._station(client)})
 
@@ -127,9 +133,13 @@ class Station:
 
     def health(self):
         """Level 0 is green, 1 a warning, 2 an error."""
+        if self.link.is_taken:
+            return {"level": 2, "text": "Another station uses this ROS master. End one of them."}
         if not self.link.is_up:
             return {"level": 2, "text": "No ROS master: the station waits for one."}
         silent = not self.is_heard
+        if silent and self.supervisor.phase == "running" and time.monotonic() - self.supervisor.began_at < DAEMON_START:
+            return {"level": 0, "text": "The session starts."}
         if silent and self.supervisor.phase == "running":
             return {"level": 2, "text": "The trainer does not answer. Stop the session and start it again."}
         if self.supervisor.phase != "running" and not self.is_foreign:
@@ -150,7 +160,8 @@ class Station:
             if not isinstance(given, dict):
                 raise Refused("expected settings by name")
             if what in TRIGGERS and (client is None or client.role != "trainee"):
-                return await self.link.call(TRIGGERS[what])
+                done, text, more = await self.link.call(TRIGGERS[what], limit=STOP_LIMIT if what == "emergency-stop" else 20.0)
+                return done, words.answer(what, text), more
             if method is None:
                 raise Refused("unknown request")
             if client is not None and client.role == "trainee" and what not in TRAINEE_MAY:
@@ -164,6 +175,12 @@ class Station:
     def _refuse_next_to_a_foreign_trainer(self):
         if self.is_foreign:
             raise Refused("a trainer runs that this station did not start, for example from a launch file: end it there first")
+
+    def _refuse_running(self, name):
+        """@throw Refused for a session that is being recorded, by this station's trainer or a foreign one."""
+        foreign = self.newest.get("session", {}).get("directory", "") if self.is_foreign else ""
+        if name in (self.supervisor.state()["session"], foreign.rstrip("/").rpartition("/")[2] or None):
+            raise Refused("this session is running")
 
     async def _do_start(self, given, _):
         self._refuse_next_to_a_foreign_trainer()
@@ -192,7 +209,8 @@ class Station:
         return await self.link.call("inject_hazard", {"name": name})
 
     async def _do_view(self, given, _):
-        return await self.link.call("set_view", {"data": given.get("real") is True})
+        done, text, more = await self.link.call("set_view", {"data": given.get("real") is True})
+        return done, words.answer("view", text), more
 
     async def _do_plan(self, given, _):
         arm = given.get("arm", "")
@@ -201,7 +219,8 @@ class Station:
         return await self.link.call("plan", {"arm": arm, "default_goal": True}, limit=60.0)
 
     async def _do_execute(self, given, _):
-        return await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
+        done, text, more = await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
+        return done, words.answer("execute", text), more
 
     async def _do_cancel_plan(self, _, __):
         return await self.link.call("cancel_plan")
@@ -236,31 +255,39 @@ class Station:
         return True, "", {}
 
     async def _do_watch(self, given, client):
+        """With `acknowledges` the page sends `shown` for each picture; only a few are sent ahead."""
         wants = given.get("pictures")
         if not isinstance(wants, list) or any(w not in ("view", "camera") for w in wants):
             raise Refused("pictures are view and camera")
         client.wants = set(wants)
+        client.acknowledges = given.get("acknowledges") is True
         return True, "", {}
 
-    async def _do_sessions(self, _, __):
-        return True, "", {"sessions": await asyncio.to_thread(self.records.list), "trainees": self.records.trainees()}
+    async def _do_sessions(self, given, _):
+        """The newest, or those behind the first `skip` of them."""
+        skip = given.get("skip", 0)
+        if not isinstance(skip, int) or isinstance(skip, bool) or skip < 0:
+            raise Refused("skip is a whole number from 0")
+        sessions = await asyncio.to_thread(self.records.list, skip)
+        return True, "", {"sessions": sessions, "count": len(self.records.names()), "trainees": self.records.trainees()}
 
     async def _do_verdict(self, given, _):
         return True, "", self.records.verdict(given.get("session"))
 
     async def _do_report(self, given, _):
+        self._refuse_running(given.get("session"))
         self.finisher.report(self.records.directory(given.get("session")))
         return True, "The report is being written.", {}
 
     async def _do_video(self, given, _):
+        self._refuse_running(given.get("session"))
         self.finisher.video(self.records.directory(given.get("session")))
         return True, "The video is being rendered.", {}
 
     async def _do_replay(self, given, _):
         """In the running session; without one, a session in the same scene is started for it, for nobody's history."""
         directory = self.records.directory(given.get("session"))
-        if self.supervisor.state()["session"] == directory.name:
-            raise Refused("this session is running")
+        self._refuse_running(directory.name)
         if self.supervisor.phase == "idle" and not self.is_foreign:
             exercise = self.records.summary(directory.name)["exercise"]
             await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"})
@@ -272,8 +299,9 @@ class Station:
 
     async def _do_delete(self, given, _):
         name = given.get("session")
-        if self.supervisor.state()["session"] == name:
-            raise Refused("this session is running")
+        self._refuse_running(name)
+        if self.finisher.is_busy(name):
+            raise Refused("its report or video is being written: wait for it")
         if given.get("sure") is not True:
             raise Refused("deleting needs a confirmation")
         await asyncio.to_thread(self.records.delete, name)
@@ -306,6 +334,9 @@ class Station:
         if client is not self.driving:
             self.refused["hands_of_a_page_that_does_not_drive"] += 1
             return
+        if not self.browser_may_drive:  # between two sessions; the next one may be this page's again
+            self.hands.release()
+            return
         try:
             self.hands.apply(message, time.monotonic())
         except ValueError:
@@ -321,7 +352,7 @@ class Station:
 
     def _send_hands(self):
         self._hands_sent = time.monotonic()
-        self.link.send({"t": "hands", "pedal": self.hands.pedal, "camera": self.hands.camera,
+        self.link.send({"t": "hands", "pedal": self.hands.console_pedal, "camera": self.hands.camera_pedal(self._hands_sent),
                         "arms": self.hands.poses()})
 
     # ---- the clock
@@ -344,6 +375,9 @@ class Station:
         if health != self._last_health:
             self._last_health = health
             self.broadcast({"t": "health", **health})
+        if now - self._alive_at >= ALIVE_PERIOD:
+            self._alive_at = now
+            self.broadcast({"t": "alive"})
         if now - self._status_at >= STATUS_PERIOD:
             self._status_at = now
             total = sum(self.refused.values())

@@ -119,13 +119,15 @@ class Supervisor:
         self._config = pathlib.Path(config) if config else None
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
         self._processes = {}
+        self._ends = {}          # name -> task with the exit status
+        self._closed = False
         self._choice = self._directory = None
         self._lock = asyncio.Lock()
         self._watcher = None
         self.phase = "idle"      # idle, starting, running, ending
         self.trouble = ""        # why the last attempt ended early
         self.last = None         # directory of the newest session that has ended
-        self.ended_at = -1e9     # [s] monotonic
+        self.began_at = self.ended_at = -1e9  # [s] monotonic
 
     # ---- what pages see
 
@@ -147,6 +149,8 @@ class Supervisor:
         """@return the session directory. @throw Refused."""
         async with self._lock:
             choice = Choice(self._with_stage(given), self._known)
+            if self._closed:
+                raise Refused("the station ends")
             if self.phase != "idle":
                 raise Refused("a session is running: stop it first")
             self.phase, self.trouble, self._choice = "starting", "", choice
@@ -158,7 +162,7 @@ class Supervisor:
                 self.phase, self._choice, self._directory, self.ended_at = "idle", None, None, time.monotonic()
                 self._changed()
                 raise Refused(str(error)) from error
-            self.phase = "running"
+            self.phase, self.began_at = "running", time.monotonic()
             self._watch()
             self._changed()
             return self._directory
@@ -168,6 +172,13 @@ class Supervisor:
             if self.phase != "running":
                 raise Refused("no session is running")
             await self._finish("")
+
+    async def close(self):
+        """Ends the session and begins no other: the station ends."""
+        self._closed = True
+        async with self._lock:
+            if self.phase == "running":
+                await self._finish("")
 
     async def next(self):
         """The next attempt with the same settings; of a curriculum, the trainee's stage by then."""
@@ -258,7 +269,7 @@ class Supervisor:
             process = await asyncio.create_subprocess_exec(
                 str(self._programs / name), *arguments, stdin=asyncio.subprocess.DEVNULL, stdout=log, stderr=log,
                 start_new_session=True)
-        asyncio.ensure_future(process.wait())  # takes its exit status
+        self._ends[name] = asyncio.ensure_future(process.wait())
         try:
             self._processes[name] = psutil.Process(process.pid)
         except psutil.NoSuchProcess:  # it has ended already
@@ -307,8 +318,13 @@ class Supervisor:
             async with self._lock:
                 if self.phase != "running":
                     return
-                finished = ended == "master_console" and self._choice.driver.split(":")[0] in ("expert", "clumsy")
-                await self._finish("" if finished else self._why(ended))
+                await self._finish("" if self._has_finished(ended) else self._why(ended))
+
+    def _has_finished(self, name):
+        """Whether it is a simulated surgeon who has done the exercise. The exit status of an adopted program is not known."""
+        end = self._ends.get(name)
+        status = end.result() if end is not None and end.done() else None
+        return name == "master_console" and self._choice.driver.split(":")[0] in ("expert", "clumsy") and status in (0, None)
 
     async def _finish(self, trouble):
         self.phase, self.trouble = "ending", trouble
@@ -326,6 +342,7 @@ class Supervisor:
             if name in self._processes:
                 await self._end(name)
         self._processes.clear()
+        self._ends.clear()
         self._remember()
 
     async def _end(self, name):

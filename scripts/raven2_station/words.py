@@ -17,6 +17,10 @@ FAILURES = {"time_limit": "the time limit is over", "broke_off": "a tower broke 
 MISTAKES = {"wire_touch": "wire touched", "collision": "collision", "drop": "dropped", "out_of_order": "wrong order",
             "wrong_arm": "wrong arm", "break_off": "tower broken off"}
 
+ANSWERS = {"accepted": "Done.", "no_plan": "There is no plan: press Plan first.",
+           "not_now": "Not possible now. Wait until the arms rest and the pedal is up."}
+CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
+
 ADVICE = {
     "physics loop": "Close other programs on this computer.", "haptic loop": "Close other programs on this computer.",
     "real time": "Start the station as root, or give real-time priority (doc/hardware.md).",
@@ -46,6 +50,11 @@ def steps(exercise):
 
 def mode(name):
     return MODES.get(name, name.replace("_", " "))
+
+
+def answer(asked, text):
+    """The trainer's one word as a sentence."""
+    return CLEAR_FIRST if (asked, text) == ("clear-stop", "not_now") else ANSWERS.get(text, text)
 
 
 def mistake(name):

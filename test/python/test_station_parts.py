@@ -18,7 +18,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import access, curriculum, finisher, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, supervisor, wire, words  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -121,6 +121,31 @@ def test_a_silent_page_lifts_the_pedal_within_100_ms():
     assert device.watch(1.0 + hands.SILENT + 0.001) and not device.pedal
     assert hands.SILENT + 0.02 <= 0.1
     assert not device.watch(5.0), "the pedal is up already"
+
+
+def test_the_camera_key_alone_moves_the_camera_and_never_the_arms():
+    """The console sends motion only with its pedal down; it must be up again before the camera's pedal."""
+    device = hands.Hands()
+    device.apply({**motion(pedal=False), "camera": True}, 10.0)
+    assert not device.console_pedal and device.camera_pedal(10.0), "the trainer does not move the camera yet"
+    device.see("camera_moving")
+    device.apply({**motion((0.01, 0, 0), pedal=False), "camera": True}, 10.02)
+    assert device.console_pedal and device.arms["gold"].position[0] > 0.005
+    device.apply({**motion(pedal=False), "camera": False}, 10.04)
+    assert not device.console_pedal and device.camera_pedal(10.1) and not device.camera_pedal(10.3)
+    device.see("pedal_up")
+    device.apply({**motion(pedal=False), "camera": True}, 10.5)
+    assert not device.console_pedal
+
+
+def test_answers_are_sentences():
+    assert words.answer("pause", "accepted") == "Done." and "pedal is up" in words.answer("clear-stop", "not_now")
+    assert words.answer("inject", "the hazard acts") == "the hazard acts"
+
+
+def test_the_steps_of_each_track_are_counted(known):
+    for exercise in known.exercises:
+        assert sum(exercise["tracks"]) == len(exercise["steps"]) and all(exercise["tracks"])
 
 
 @pytest.mark.parametrize("modes, counts", [
@@ -286,6 +311,93 @@ def test_a_station_that_was_killed_in_a_start_leaves_no_program_behind(known, tm
         assert left.wait(5) == -signal.SIGTERM
 
 
+def test_a_station_that_ends_waits_for_what_is_under_way_and_starts_nothing(known, tmp_path):
+    made = supervised(tmp_path, known, PROGRAM.replace("exec sleep 60", "trap 'sleep 0.5; exit' TERM; while :; do sleep 0.05; done"))
+
+    async def ending():
+        await made.start({"driver": "scripted"})
+        processes = list(made._processes.values())
+        asked = asyncio.ensure_future(made.end())
+        await asyncio.sleep(0.05)
+        assert made.phase == "ending"
+        await made.close()
+        assert asked.done() and made.phase == "idle" and not any(p.is_running() and p.status() != psutil.STATUS_ZOMBIE for p in processes)
+        with pytest.raises(supervisor.Refused, match="the station ends"):
+            await made.start({"driver": "scripted"})
+
+    asyncio.run(ending())
+
+
+@pytest.mark.parametrize("crash", [True, False])
+def test_a_simulated_surgeon_who_has_finished_is_no_trouble_but_a_crash_is(known, tmp_path, crash):
+    made = supervised(tmp_path, known, PROGRAM)
+    end = "kill -9 $$" if crash else "exit 0"
+    (tmp_path / "programs/master_console").write_text(f"#!/bin/sh\nsleep 0.5\n{end}\n")
+
+    async def session():
+        await made.start({"exercise": "pick_hand_over_place", "driver": "expert"})
+        while made.phase != "idle":
+            await asyncio.sleep(0.05)
+        return made.trouble
+
+    assert bool(asyncio.run(asyncio.wait_for(session(), 30))) == crash
+
+
+class SlowPage:
+    """A socket of a page that reads nothing."""
+
+    def __init__(self):
+        self.closed, self.sent, self.aborted, self.stuck = False, [], False, False
+
+    async def send_str(self, text):
+        if self.stuck:
+            await asyncio.sleep(3600)
+        self.sent.append(text)
+
+    async def send_bytes(self, data):
+        self.sent.append(data)
+
+    def abort(self):
+        self.aborted = True
+
+
+def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges():
+    async def run():
+        page = SlowPage()
+        client = clients.Client(page, "trainee", 1)
+        client.acknowledges = True
+        writer = asyncio.ensure_future(client.write())
+        for number in range(10):
+            client.show("view", bytes([number]))
+            await asyncio.sleep(0)
+            await asyncio.sleep(0)
+        await asyncio.sleep(0.05)
+        assert len(page.sent) == clients.MOST_AHEAD
+        client.send({"t": "text"})
+        await asyncio.sleep(0.05)
+        assert page.sent[-1] == '{"t":"text"}', "texts do not wait"
+        client.shown()
+        await asyncio.sleep(0.05)
+        assert page.sent[-1] == b"\x00\x09" and len(page.sent) == clients.MOST_AHEAD + 2, "the newest, not those that waited"
+        writer.cancel()
+
+    asyncio.run(run())
+
+
+def test_a_page_that_takes_no_message_is_cut_off(monkeypatch):
+    monkeypatch.setattr(clients, "WRITE_LIMIT", 0.05)
+
+    async def run():
+        page = SlowPage()
+        page.stuck = True
+        client = clients.Client(page, "trainee", 1, transport=page)
+        client.send({"t": "text"})
+        await asyncio.wait_for(client.write(), 5)
+        assert page.aborted
+
+    asyncio.run(run())
+
+
 class Finishing:
     """A finisher whose report takes 0.5 s and whose video takes a minute."""
 
@@ -313,6 +425,34 @@ def test_a_report_is_finished_when_the_station_ends(tmp_path):
         assert (work.session / "report.html").is_file() and work.said[-1] == ("report", 1.0)
 
     asyncio.run(run())
+
+
+def test_a_report_that_is_asked_for_again_is_written_again(tmp_path):
+    async def run():
+        work = Finishing(tmp_path)
+        work.finisher.report(work.session)
+        await asyncio.sleep(0.1)
+        assert work.finisher.is_busy("session") and not work.finisher.is_busy("other")
+        work.finisher.report(work.session)  # the session has ended meanwhile
+        while work.said.count(("report", 1.0)) < 2:
+            await asyncio.sleep(0.05)
+        await asyncio.sleep(0)
+        assert not work.finisher.is_busy("session")
+
+    asyncio.run(asyncio.wait_for(run(), 30))
+
+
+def test_a_report_does_not_wait_for_a_video(tmp_path):
+    async def run():
+        work = Finishing(tmp_path)
+        work.finisher.video(work.session)
+        await work.worker()
+        work.finisher.report(work.session)
+        while ("report", 1.0) not in work.said:
+            await asyncio.sleep(0.05)
+        await work.finisher.end()
+
+    asyncio.run(asyncio.wait_for(run(), 30))
 
 
 def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
@@ -435,6 +575,23 @@ def test_a_spoilt_index_is_an_empty_or_shorter_class(tmp_path, text):
     assert len(records.Records(tmp_path).the_class(STAGES)) <= 1
 
 
+def test_an_index_with_foreign_entries_is_read_without_them(folder):
+    entries = json.loads((folder / "index.json").read_text())["sessions"]
+    for change in ({"start_time_utc": None}, {"directory": None}, {"directory": ["x"]}, {"start_time_utc": 3}):
+        entries.append({**entries[0], "trainee": "cay", **change})
+    entries.append({**entries[0], "trainee": "@SUM(1)"})
+    (folder / "index.json").write_text(json.dumps({"version": 1, "sessions": entries}))
+    store = records.Records(folder)
+    assert store.trainees() == ["@SUM(1)", "ann", "bea"]
+    assert store.class_csv(STAGES).splitlines()[1].startswith("'@SUM(1),1,")
+
+
+def test_older_sessions_come_behind_the_newest(folder):
+    store = records.Records(folder)
+    assert [s["name"][:10] for s in store.list(skip=1)] == ["2026-01-01"] and store.list(skip=2) == []
+    assert [s["name"][:10] for s in store.list(most=1)] == ["2026-01-02"]
+
+
 def test_the_history_has_score_time_and_response(folder):
     (folder / "s1").mkdir()
     (folder / "s1" / "session.rlog").write_bytes(b"x")
@@ -496,6 +653,10 @@ def test_an_address_that_only_looks_local_is_not():
         assert not access.is_loopback(address), address
     for address in ("127.0.0.1", "127.255.0.9", "::1", "localhost"):
         assert access.is_loopback(address), address
+
+
+def test_an_origin_that_is_no_address_is_foreign():
+    assert not access.same_origin("http://[", "localhost:8080") and not access.same_origin("http://[::1", "[::1]:8080")
 
 
 def test_origins_and_names():

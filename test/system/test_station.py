@@ -6,6 +6,7 @@ import json
 import os
 import random
 import shutil
+import socket
 import subprocess
 import sys
 import time
@@ -16,7 +17,7 @@ import psutil
 import pytest
 import yaml
 from stack import BUILD, ROOT, effort, free_ports, wait_until
-from station_rig import Page, Station
+from station_rig import STATION, Page, Station
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -483,6 +484,59 @@ def test_two_sessions_at_once_are_refused_and_so_is_what_cannot_be(station):
             before = page.newest["station"]["session"]
             assert (await page.ask("next", seconds=60))["ok"]
             await page.until(lambda: page.newest["station"]["session"] not in (None, before), 10, "the next attempt")
+            await stop(page)
+    run(scenario())
+
+
+def has_services(station):
+    listed = subprocess.run(["rosservice", "list"], env=station.environment, capture_output=True, text=True, check=False, timeout=20)
+    return "/station/start_session" in listed.stdout
+
+
+def test_a_master_that_starts_again_at_once_is_noticed(station):
+    async def scenario():
+        async with Page(station.url) as page:
+            station.master.kill()
+            station.master.start()
+            await page.until(lambda: has_services(station), 15, "the station's services are at the new master")
+            await start(page, driver="scripted")
+            await page.until(lambda: page.mode() is not None, 20, "the trainer is heard")
+            assert (await page.ask("emergency-stop"))["ok"]
+            await stop(page)
+    run(scenario())
+
+
+def test_a_second_station_waits_and_takes_nothing_away(station):
+    port = free_ports(1)[0]
+    with open(station.log_file, "ab") as log:
+        second = subprocess.Popen([STATION, "--port", str(port), "--sessions", station.sessions + "_2"], env=station.environment,
+                                  stdout=log, stderr=log)
+    try:
+        async def scenario():
+            wait_until(lambda: socket.socket().connect_ex(("127.0.0.1", port)) == 0, 20, "the second station answers")
+            async with Page(station.url) as first, Page(f"http://localhost:{port}") as other:
+                await other.until(lambda: "Another station" in other.newest.get("health", {}).get("text", ""), 10, "it says why it waits")
+                await start(first, driver="scripted")
+                await first.until(lambda: first.mode() is not None, 20, "the first one hears its trainer")
+                assert (await first.ask("emergency-stop"))["ok"]
+                await stop(first)
+        run(scenario())
+    finally:
+        second.terminate()
+        second.wait(20)
+
+
+def test_a_stalled_page_gives_the_hands_back(station):
+    """A page that reads nothing any more, its connection open: the messages of the station have nowhere to go."""
+    async def scenario():
+        async with Page(station.url) as page:
+            await start(page, driver="browser")
+            async with Page(station.url, "trainee") as trainee:
+                assert (await trainee.ask("drive"))["ok"]
+                await trainee.ask("watch", pictures=["view", "camera"])
+                trainee._reader.cancel()
+                trainee.socket._response.connection.transport.pause_reading()
+                await page.until(lambda: page.newest["station"]["drives"] is None, 60, "nobody drives")
             await stop(page)
     run(scenario())
 

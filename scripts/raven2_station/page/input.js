@@ -36,6 +36,7 @@ export class Hands {
     this.arm = "gold";
     this.jaws = { gold: JAW_OPEN, green: JAW_OPEN };
     this.speed = 1;
+    this.triggers = { gold: 0, green: 0 };
     this.reset();
     screen.addEventListener("mousemove", (e) => this.mouse(e));
     screen.addEventListener("wheel", (e) => this.wheel(e), { passive: false });
@@ -87,6 +88,8 @@ export class Hands {
     const action = Object.keys(this.keys).find((a) => this.keys[a] === event.code);
     if (!action || !this.isActive) return;
     if (isDown && !this.isLocked && document.activeElement !== this.screen) return; // keys elsewhere are the page's own
+    if (isDown && (event.ctrlKey || event.altKey || event.metaKey)) return;
+    if (!isDown && !this.held.has(action)) return;
     event.preventDefault();
     if (event.repeat) return;
     if (action === "pedal") this.pedal = isDown;
@@ -97,11 +100,13 @@ export class Hands {
     else this.held.delete(action);
   }
 
-  // Sticks are speeds: called once a frame. Left stick and left trigger are gold, right ones green.
+  // Sticks are speeds: called once a frame. Left stick and left trigger are gold, right ones green. @return what the page says of it.
   gamepad(seconds) {
     const pad = [...(navigator.getGamepads ? navigator.getGamepads() : [])].find((p) => p && p.connected);
     this.padPedal = false;
+    this.pad = pad && pad.mapping !== "" ? pad : null;  // "": axes and buttons in an order of its own
     if (!pad) return "";
+    if (!this.pad) return `Gamepad not used: the browser does not know the layout of ${pad.id}.`;
     const stick = (i) => (Math.abs(pad.axes[i] || 0) > DEAD_BAND ? pad.axes[i] : 0);
     const pressed = (i) => Boolean(pad.buttons[i] && pad.buttons[i].pressed);
     const step = STICK_SPEED * seconds;
@@ -110,12 +115,16 @@ export class Hands {
     this.add(this.moves.gold, [stick(0) * step, -stick(1) * step, up * step]);
     this.add(this.moves.green, [stick(2) * step, -stick(3) * step, upGreen * step]);
     this.padPedal = pressed(4) || pressed(5);
-    if (pad.buttons[6] && pad.buttons[7]) {
-      this.jaws.gold = JAW_OPEN * (1 - pad.buttons[6].value);
-      this.jaws.green = JAW_OPEN * (1 - pad.buttons[7].value);
-    }
-    this.pad = pad;
-    return pad.id;
+    this.trigger("gold", pad.buttons[6]);
+    this.trigger("green", pad.buttons[7]);
+    return `Gamepad: ${pad.id}`;
+  }
+
+  // Only while it moves: at rest, mouse and key have the jaws.
+  trigger(arm, button) {
+    if (!button || button.value === this.triggers[arm]) return;
+    this.triggers[arm] = button.value;
+    this.jaws[arm] = JAW_OPEN * (1 - button.value);
   }
 
   rumble(strength) {

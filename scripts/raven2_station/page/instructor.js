@@ -12,26 +12,31 @@ let library = null;
 let station = { phase: "idle" };
 let mode = { mode: "", view: "virtual" };
 let lastPicture = 0;
+let shown = "";  // session of the verdict
 
 const link = new Link("instructor", {
   library: (m) => { library = m; showLibrary(); },
   mode: showMode,
   health: showHealth,
   station: showStation,
-  exercise: (m) => showTask(m, stepsOf(m.exercise)),
+  exercise: (m) => showTask(m, exerciseOf(m.exercise).steps, exerciseOf(m.exercise).tracks),
   plan: (m) => { byId("plan-text").textContent = m.status === "idle" ? "" : `Plan: ${m.status}`; },
   strips: showStrips,
   progress: showProgress,
 }, showPicture, showOpen);
 
 function showOpen(isOpen) {
+  shown = isOpen ? "" : shown;  // a report may have come meanwhile
   if (!isOpen) showHealth({ level: 2, text: "The station does not answer. Trying again." });
-  if (isOpen) link.ask("watch", { pictures: byId("second").open ? ["view", "camera"] : ["view"] });
+  if (isOpen) wantPictures();
 }
 
-function stepsOf(name) {
-  const exercise = library && library.exercises.find((e) => e.name === name);
-  return exercise ? exercise.steps : [];
+function wantPictures() {
+  return link.wantPictures(byId("second").open ? ["view", "camera"] : ["view"]);
+}
+
+function exerciseOf(name) {
+  return (library && library.exercises.find((e) => e.name === name)) || { title: "free session", steps: [], tracks: [] };
 }
 
 function showPicture(which, blob) {
@@ -60,14 +65,20 @@ function showStation(message) {
   for (const id of ["pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
   byId("take-hands").setAttribute("aria-pressed", message.hands_away);
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
-  if (!runs) byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+  if (!runs) {
+    byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+    byId("clear-stop").hidden = byId("end-replay").hidden = true;
+  }
   if (message.foreign && !before.foreign) say({ ok: true, text: "This trainer was not started here. Set up and Stop belong to its launch file." });
   if (message.phase === "idle" && before.phase !== "idle") {
     if (before.phase === "ending") say({ ok: !message.trouble, text: message.trouble || "The session has ended." });
     showStage();
   }
+  const whose = message.choice ? message.choice.trainee || "guest" : "";
+  byId("act-title").textContent = runs && whose ? `Session of ${whose}: ${exerciseOf(message.choice.exercise).title}` : "Session";
+  if (runs && message.choice && !before.choice) setUpAs(message.choice);
   showArmed();
-  if (message.last && message.last !== before.last) showVerdict(message.last);
+  if (message.last && (message.last !== before.last || shown === "")) showVerdict(message.last);
 }
 
 function showArmed() {
@@ -155,6 +166,17 @@ async function showStage() {
 for (const id of ["curriculum", "trainee"]) byId(id).addEventListener("change", showStage);
 for (const id of ["exercise", "hazard", "driver"]) byId(id).addEventListener("change", showChoices);
 
+// A page that is opened again shows the session that runs.
+function setUpAs(choice) {
+  if (!library) return;
+  byId("trainee").value = choice.trainee;
+  byId("curriculum").value = choice.curriculum;
+  byId("exercise").value = choice.exercise;
+  showChoices();
+  for (const id of ["hazard", "when", "driver", "link"]) byId(id).value = choice[id];
+  showStage();
+}
+
 function settings() {
   return {
     trainee: byId("trainee").value.trim(), curriculum: byId("curriculum").value, exercise: byId("exercise").value,
@@ -170,8 +192,11 @@ function say(reply) {
 
 byId("form").addEventListener("submit", async (event) => {
   event.preventDefault();
+  byId("start").disabled = true;  // against a second click
   say({ ok: true, text: "The session starts." });
-  say(await link.ask("start", settings()));
+  const reply = await link.ask("start", settings());
+  say(reply);
+  if (!reply.ok) byId("start").disabled = station.phase !== "idle" || Boolean(station.foreign);
 });
 
 function press(id, what, given = () => ({})) {
@@ -186,7 +211,10 @@ press("stop", "stop");
 press("pause", "pause");
 press("restart", "restart-exercise");
 press("end-replay", "end-replay");
-press("emergency-stop", "emergency-stop");
+byId("emergency-stop").addEventListener("click", async () => {
+  const reply = await link.ask("emergency-stop");
+  say({ ok: reply.ok, text: reply.ok ? reply.text || "Stopped." : `The emergency stop is not confirmed: ${reply.text} Use the stop button of the robot.` });
+});
 press("clear-stop", "clear-stop");
 press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
 press("stop-hazard", "stop-hazard");
@@ -202,24 +230,29 @@ document.addEventListener("click", (event) => {
   if (event.detail > 0 && pressed) pressed.blur();
 });
 
+// In the question whether to delete, the space bar stops as well: it must not answer.
+const isQuestion = () => byId("sure").contains(document.activeElement);
+
 document.addEventListener("keydown", (event) => {
-  const typing = ["INPUT", "SELECT", "TEXTAREA", "BUTTON", "A", "SUMMARY"].includes(document.activeElement.tagName);
-  if (event.code !== "Space" || typing || event.repeat) return;
+  if (event.code === "Escape" && byId("sure").open) byId("sure").close();
+  const typing = ["INPUT", "SELECT", "TEXTAREA", "BUTTON", "A", "SUMMARY"].includes(document.activeElement.tagName) && !isQuestion();
+  if (event.code !== "Space" || typing) return;
   event.preventDefault();
-  byId("emergency-stop").click();
+  if (!event.repeat) byId("emergency-stop").click();
 });
 
-byId("second").addEventListener("toggle", () => link.ask("watch", { pictures: byId("second").open ? ["view", "camera"] : ["view"] }));
+document.addEventListener("keyup", (event) => { if (event.code === "Space" && isQuestion()) event.preventDefault(); });
+
+byId("second").addEventListener("toggle", wantPictures);
 
 // ---- learn
-
-let shown = "";
 
 async function showVerdict(name) {
   shown = name;
   byId("verdict").textContent = "The report is being written.";
   const reply = await link.ask("verdict", { session: name });
-  if (!reply.ok || shown !== name) return;
+  if (shown !== name) return;
+  if (!reply.ok) return hideVerdict(reply.text);
   const verdict = reply.more;
   byId("verdict").textContent = verdict.headline === "No report yet" ? "The report is being written." : verdict.headline;
   byId("verdict").className = verdict.passed === true ? "good" : verdict.passed === false ? "bad" : "";
@@ -233,6 +266,14 @@ async function showVerdict(name) {
   byId("report").href = `/sessions/${name}/report.html`;
   byId("video").hidden = !hasReport;
   byId("video-link").hidden = true;
+  return undefined;
+}
+
+function hideVerdict(text) {
+  byId("verdict").textContent = text;
+  byId("verdict").className = "";
+  byId("improve").replaceChildren();
+  for (const id of ["report", "video", "video-link", "progress"]) byId(id).hidden = true;
 }
 
 byId("video").addEventListener("click", async () => {
@@ -248,6 +289,7 @@ function showProgress(message) {
     byId("progress-text").textContent = message.share === null ? `The ${message.what} failed: ${message.text}`
       : done ? "" : `${message.what} ${Math.round(100 * message.share)} %`;
     if (message.what === "report" && done) showVerdict(message.session);
+    if (message.what === "report" && message.share === null) byId("verdict").textContent = "There is no report.";
     if (message.what === "video" && done) {
       byId("video-link").hidden = false;
       byId("video-link").href = `/sessions/${message.session}/video.mp4`;
@@ -285,6 +327,12 @@ function row(cells, tag = "td") {
   return line;
 }
 
+// Times of the records are UTC; people see those of their clock.
+function when(utc) {
+  const time = new Date(utc);
+  return Number.isNaN(time.getTime()) ? "" : time.toLocaleString("sv-SE", { dateStyle: "short", timeStyle: "short" });
+}
+
 const passed = (value) => (value === true ? "passed" : value === false ? "not passed" : "not judged");
 const number = (value, unit) => (typeof value === "number" ? `${value.toFixed(1)} ${unit}` : "");
 
@@ -297,7 +345,7 @@ async function showHistory() {
   const attempts = reply.ok ? reply.more.attempts : [];
   drawCurve(byId("curve"), attempts);
   byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "result", "score", "time", "hazard response"], "th"),
-    ...attempts.map((a) => row([a.start.replace("T", " ").replace("Z", ""), a.exercise, a.drill, passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
+    ...attempts.map((a) => row([when(a.start), a.exercise, a.drill, passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
       number(a.response, "s")])));
 }
 
@@ -317,7 +365,7 @@ async function showClass() {
   byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles, "last session"], "th"),
     ...reply.more.rows.map((r) => row([r.trainee, String(r.sessions),
       ...r.stages.map(stageCell),
-      r.last.replace("T", " ").replace("Z", "")])));
+      when(r.last)])));
 }
 
 function anchor(text, href, download = false) {
@@ -342,28 +390,45 @@ function action(text, run, name) {
 async function showSessions() {
   const reply = await link.ask("sessions");
   if (!reply.ok) return;
-  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "result", "length", "files", ""], "th"),
-    ...reply.more.sessions.map((s) => {
+  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "result", "length", "files", ""], "th"));
+  addSessions(reply.more);
+}
+
+function addSessions({ sessions, count }) {
+  const table = byId("session-table");
+  table.append(...sessions.map((s) => {
       const files = document.createElement("span");
       files.className = "buttons";
-      files.append(s.report ? anchor("Report", `/sessions/${s.name}/report.html`) : action("Write report", () => link.ask("report", { session: s.name }), "write-report"));
-      files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", () => link.ask("video", { session: s.name }), "render-video"));
+      files.append(s.report ? anchor("Report", `/sessions/${s.name}/report.html`) : action("Write report", async () => say(await link.ask("report", { session: s.name })), "write-report"));
+      files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", async () => say(await link.ask("video", { session: s.name })), "render-video"));
       files.append(action("Replay", async () => say(await link.ask("replay", { session: s.name })), "replay"));
       files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
       return row([s.name, s.trainee, s.exercise, s.drill, passed(s.passed), number(s.duration, "s"), files,
         action("Delete", () => askToDelete(s.name), "delete")]);
-    }));
+  }));
+  const listed = table.rows.length - 1;
+  if (listed >= count) return;
+  const more = row([action(`Show older sessions (${count - listed})`, async () => {
+    const reply = await link.ask("sessions", { skip: listed });
+    more.remove();
+    if (reply.ok) addSessions(reply.more);
+  }, "older")]);
+  table.append(more);
 }
 
 function askToDelete(name) {
   byId("sure-text").textContent = `Delete session ${name} with all its files? This cannot be undone.`;
   byId("sure").dataset.session = name;
-  byId("sure").showModal();
+  byId("sure").show();  // not modal: the emergency stop stays within reach
+  byId("sure-no").focus();
 }
 
 byId("sure-no").addEventListener("click", () => byId("sure").close());
 byId("sure-yes").addEventListener("click", async () => {
   byId("sure").close();
-  say(await link.ask("delete", { session: byId("sure").dataset.session, sure: true }));
+  const name = byId("sure").dataset.session;
+  const reply = await link.ask("delete", { session: name, sure: true });
+  say(reply);
+  if (reply.ok && name === shown) hideVerdict("The session was deleted.");
   refreshTab();
 });

@@ -1,6 +1,9 @@
 // The WebSocket to the station: reconnects, requests with replies, pictures.
 
 const RETRY_MS = 500;
+const SILENT_MS = 1500;  // the station says something every 500 ms
+const WATCH_MS = 250;
+const NO_ANSWER = "The station does not answer.";
 
 export const byId = (id) => document.getElementById(id);
 
@@ -13,27 +16,72 @@ export class Link {
     this.onOpen = onOpen;
     this.number = 0;
     this.waiting = new Map();
+    this.isSilent = false;
     this.connect();
+    this.watch();
   }
 
   connect() {
     const scheme = location.protocol === "https:" ? "wss:" : "ws:";
     this.socket = new WebSocket(`${scheme}//${location.host}/ws?page=${this.page}`);
     this.socket.binaryType = "arraybuffer";
-    this.socket.onopen = () => this.onOpen(true);
-    this.socket.onmessage = (event) => this.take(event.data);
-    this.socket.onclose = () => {
-      for (const done of this.waiting.values()) done({ ok: false, text: "The station does not answer.", more: {} });
-      this.waiting.clear();
+    let wasOpen = false;
+    this.socket.onopen = () => {
+      wasOpen = true;
+      this.heard();
+      this.onOpen(true);
+    };
+    this.socket.onmessage = (event) => {
+      this.heard();
+      this.take(event.data);
+    };
+    this.socket.onclose = async () => {
+      this.giveUp();
       this.onOpen(false);
+      if (!wasOpen && await this.isLoggedOut()) location.reload();
       setTimeout(() => this.connect(), RETRY_MS);
     };
+  }
+
+  // A station that was started again may not know this page's login any more.
+  async isLoggedOut() {
+    try {
+      return (await fetch("/class.csv", { method: "HEAD" })).status === 403;
+    } catch {
+      return false;
+    }
+  }
+
+  giveUp() {
+    for (const done of this.waiting.values()) done({ ok: false, text: NO_ANSWER, more: {} });
+    this.waiting.clear();
+  }
+
+  heard() {
+    this.lastHeard = performance.now();
+    if (this.isSilent) this.onOpen(true);
+    this.isSilent = false;
+  }
+
+  // A connection may stay open for minutes although nobody is at its other end.
+  watch() {
+    let last = performance.now();
+    setInterval(() => {
+      const now = performance.now();
+      const wasAwake = now - last < 2 * WATCH_MS;  // else the messages of a page that slept come after this
+      last = now;
+      if (!wasAwake || !this.isOpen || this.isSilent || now - this.lastHeard < SILENT_MS) return;
+      this.isSilent = true;
+      this.giveUp();
+      this.onOpen(false);
+    }, WATCH_MS);
   }
 
   take(data) {
     if (data instanceof ArrayBuffer) {
       const which = new Uint8Array(data, 0, 1)[0] === 0 ? "view" : "camera";
       this.onPicture(which, new Blob([new Uint8Array(data, 1)], { type: "image/jpeg" }));
+      this.send("shown");
       return;
     }
     const message = JSON.parse(data);
@@ -53,7 +101,7 @@ export class Link {
 
   // A request; resolves with { ok, text, more }.
   ask(what, settings = {}) {
-    if (!this.isOpen) return Promise.resolve({ ok: false, text: "The station does not answer.", more: {} });
+    if (!this.isOpen || this.isSilent) return Promise.resolve({ ok: false, text: NO_ANSWER, more: {} });
     this.number += 1;
     const id = this.number;
     return new Promise((resolve) => {
@@ -62,8 +110,13 @@ export class Link {
     });
   }
 
+  // Which pictures to send: none ahead of those that came here, so that a slow link shows new ones.
+  wantPictures(which) {
+    return this.ask("watch", { pictures: which, acknowledges: true });
+  }
+
   // Without a reply: motion of the hands.
-  send(what, settings) {
+  send(what, settings = {}) {
     if (this.isOpen && this.socket.bufferedAmount < 65536) this.socket.send(JSON.stringify({ do: what, with: settings }));
   }
 }
@@ -120,19 +173,20 @@ export function fill(select, options, keep = true) {
 }
 
 // Steps, time and mistakes of the exercise, on both pages.
-export function showTask(message, steps) {
+export function showTask(message, steps, tracks = []) {
   byId("task-title").textContent = message.exercise ? message.title : "No exercise";
   byId("task-text").textContent = message.exercise ? `Attempt ${message.attempt}: ${message.text}` : "";
   byId("task-text").className = message.status === "failed" ? "bad" : message.status === "done" ? "good" : "";
   byId("task-time").textContent = message.exercise ? `(${message.elapsed.toFixed(1)} s of ${message.time_limit.toFixed(0)} s)` : "";
-  const done = message.tracks.length === 1 ? message.done[0] : null;
+  // Each track, of one arm for example, has its own next step.
+  const states = tracks.flatMap((count, track) => Array.from({ length: count }, (_, i) => (i < message.done[track] ? "done" : i === message.done[track] ? "now" : "")));
   const items = (steps || []).map((name, i) => {
     const item = document.createElement("li");
     item.textContent = name;
-    if (done !== null) item.className = i < done ? "done" : i === done ? "now" : "";
+    item.className = states[i] || "";
     return item;
   });
-  if (done === null && steps) byId("task-text").textContent += `, step ${message.step} of ${message.steps}`;
+  if (message.tracks.length > 1) byId("task-text").textContent += `, step ${message.step} of ${message.steps}`;
   byId("steps").replaceChildren(...items);
   byId("mistakes").replaceChildren(...message.mistakes.map(([name, count]) => {
     const item = document.createElement("li");

@@ -5,6 +5,7 @@ import { ACTIONS, Hands, loadKeys, saveKeys } from "/static/input.js";
 
 const PERIOD_MS = 16;
 const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
+const FORCE_SILENT_MS = 1000;  // no force is known any more
 const REFUSED_MS = 700;  // a held pedal counts within 100 ms, on a busy computer a little later
 const PEDAL_TEXTS = { yes: "Pedal DOWN", no: "Pedal up", refused: "Let the pedal go, then press it again" };
 const picture = new Picture(byId("picture"));
@@ -14,6 +15,7 @@ const hands = new Hands(screen, keys);
 let station = { phase: "idle" };
 let me = null;
 let steps = {};
+let tracks = {};
 let drives = false;
 let mode = "";
 let pedalCounts = false;  // as the trainer sees it
@@ -23,13 +25,14 @@ let lastSent = performance.now();
 
 const link = new Link("trainee", {
   hello: (m) => { me = m.number; },
-  library: (m) => { steps = m.steps; },
+  library: (m) => { steps = m.steps; tracks = m.tracks; },
   mode: showMode,
   health: showHealth,
   station: showStation,
-  exercise: (m) => showTask(m, steps[m.exercise] || []),
+  exercise: (m) => showTask(m, steps[m.exercise] || [], tracks[m.exercise] || []),
   strips: showForce,
 }, (_, blob) => { lastPicture = performance.now(); picture.show(blob); }, (isOpen) => {
+  if (isOpen) link.wantPictures(["view"]);
   if (!isOpen) {
     release();
     showHealth({ level: 2, text: "The station does not answer. Trying again." });
@@ -56,7 +59,11 @@ function showStation(message) {
   const may = message.foreign || (message.choice && message.choice.driver === "browser" && message.phase === "running");
   byId("drive").disabled = !may && !drives;
   byId("drive").textContent = drives ? "Give the hands back" : "Take the hands";
-  if (message.phase !== "running" && !message.foreign) byId("mode").textContent = "No session";
+  if (message.phase !== "running" && !message.foreign) {
+    byId("mode").textContent = "No session";
+    byId("banner").hidden = true;
+    clearForce();
+  }
   if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
   else if (message.hands_away) byId("said").textContent = "The instructor has the hands.";
   else if (!drives && message.drives !== null) byId("said").textContent = "Another page drives.";
@@ -85,9 +92,16 @@ function beep(frequency, seconds, volume = 0.2) {
 }
 
 let lastBeep = 0;
+let lastForce = 0;
+
+function clearForce() {
+  for (const arm of ["gold", "green"]) byId(`push-${arm}`).hidden = true;
+  screen.classList.remove("forced");
+}
 
 function showForce(message) {
   const now = performance.now();
+  lastForce = now;
   let strongest = 0;
   for (const arm of ["gold", "green"]) {
     const force = message.force[arm] || 0;
@@ -147,7 +161,7 @@ document.addEventListener("visibilitychange", () => { if (document.hidden) relea
 function showPedal(isDown) {
   const now = performance.now();
   downSince = isDown ? downSince ?? now : null;
-  const isRefused = isDown && !pedalCounts && now - downSince > REFUSED_MS;
+  const isRefused = isDown && !pedalCounts && mode !== "camera_moving" && now - downSince > REFUSED_MS;
   const shown = isRefused ? "refused" : isDown ? "yes" : "no";
   if (byId("pedal").dataset.down === shown) return;
   byId("pedal").dataset.down = shown;
@@ -159,11 +173,11 @@ setInterval(() => {
   const seconds = Math.min(0.1, (now - lastSent) / 1000);
   lastSent = now;
   byId("picture-note").hidden = now - lastPicture < 1500;
+  if (now - lastForce > FORCE_SILENT_MS) clearForce();
   byId("arm").textContent = hands.arm === "gold" ? "gold (left)" : "green (right)";
   byId("jaw").textContent = hands.jaws[hands.arm] > 0.3 ? "open" : "closed";
   if (!drives || document.hidden || !document.hasFocus()) return;
-  const pad = hands.gamepad(seconds);
-  if (pad) byId("gamepad").textContent = `Gamepad: ${pad}`;
+  byId("gamepad").textContent = hands.gamepad(seconds);
   const message = hands.take(seconds);
   showPedal(message.pedal);
   link.send("hands", message);
@@ -200,21 +214,36 @@ function showKeys() {
   }));
 }
 
+let asked = null;  // { action, button } of the key that is asked for
+
 function changeKey(action, button) {
+  giveUpKey();
+  asked = { action, button };
   button.textContent = "press a key";
-  const take = (event) => {
-    event.preventDefault();
-    event.stopImmediatePropagation();
-    if (event.code !== "Escape") {
-      const other = Object.keys(keys).find((a) => keys[a] === event.code);
-      if (other) keys[other] = keys[action];
-      keys[action] = event.code;
-      saveKeys(keys);
-    }
-    showKeys();
-  };
-  window.addEventListener("keydown", take, { once: true, capture: true });
 }
+
+function giveUpKey() {
+  if (asked) asked.button.textContent = NAMES(keys[asked.action]);
+  asked = null;
+}
+
+window.addEventListener("keydown", (event) => {
+  if (!asked) return;
+  event.preventDefault();
+  event.stopImmediatePropagation();
+  const { action } = asked;
+  if (event.code !== "Escape") {
+    const other = Object.keys(keys).find((a) => keys[a] === event.code);
+    if (other) keys[other] = keys[action];
+    keys[action] = event.code;
+    saveKeys(keys);
+  }
+  giveUpKey();
+  showKeys();
+}, { capture: true });
+// A press elsewhere is no answer.
+window.addEventListener("blur", giveUpKey);
+window.addEventListener("pointerdown", (event) => { if (asked && event.target !== asked.button) giveUpKey(); }, { capture: true });
 
 byId("speed").addEventListener("input", () => { hands.speed = Number(byId("speed").value); });
 showKeys();
