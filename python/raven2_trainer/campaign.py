@@ -5,7 +5,9 @@ import json
 import os
 import pathlib
 import subprocess
+import tempfile
 
+ERROR = "raven2_trainer: "  # begins the last line of a program that refused
 PROGRAM = pathlib.Path(__file__).parents[3] / "raven2_trainer/run_campaign"
 
 
@@ -26,17 +28,21 @@ class Campaign:
         see the rows. RuntimeError has the program's text for what is wrong with the campaign itself.
         """
         output = pathlib.Path(output)
-        command = [PROGRAM, self._file(output), "--output", output, "--seed", str(seed), "--jobs", str(jobs or len(os.sched_getaffinity(0)))]
-        done = subprocess.run([*command, *(["--resume"] if resume else [])], capture_output=True, text=True, check=False)
-        if not (output / "outcomes.csv").exists() or done.returncode not in (0, 1):
-            raise RuntimeError(done.stderr.strip().splitlines()[-1] if done.stderr.strip() else f"run_campaign ended with {done.returncode}")
+        with tempfile.TemporaryDirectory(prefix="raven2_campaign_") as folder:
+            command = [PROGRAM, self._file(folder), "--output", output, "--seed", str(seed), "--jobs",
+                       str(jobs or len(os.sched_getaffinity(0))), *(["--resume"] if resume else [])]
+            done = subprocess.run(command, capture_output=True, text=True, check=False)
+        said = done.stderr.strip().splitlines() or [f"run_campaign ended with {done.returncode}"]
+        is_refused = done.returncode not in (0, 1) or said[-1].startswith(ERROR)
+        if is_refused or not (output / "outcomes.csv").exists():
+            raise RuntimeError(said[-1].removeprefix(ERROR))
         return outcomes(output)
 
-    def _file(self, output):
+    def _file(self, folder):
+        """A dict is written to a file in `folder`."""
         if not isinstance(self.definition, dict):
             return os.fspath(self.definition)
-        output.parent.mkdir(parents=True, exist_ok=True)
-        path = output.parent / f"{self.definition['name']}.yaml"
+        path = pathlib.Path(folder) / f"{self.definition['name']}.yaml"
         path.write_text(json.dumps(self.definition, indent=1), encoding="utf-8")  # JSON is YAML
         return os.fspath(path)
 

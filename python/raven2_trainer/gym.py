@@ -21,6 +21,8 @@ OPEN = 1.0         # [rad] widest jaws that an action asks for
 NEAR = 0.002       # [m] a reached point
 REACH = 0.02       # [m] farthest point along an axis
 SPREAD = 0.004     # [m] of the tips at a reset
+STRIKE = (5, 50)   # [steps] into an episode, between which a hazard comes
+MOST_STARTED = 16  # variations that are kept; a simulation takes some 35 MB
 _ARMS = ("gold", "green")
 PLANTS = ("identified", "more_friction", "worn_tool", "loose_cables")  # of the virtual Raven
 LINKS = (None, "wifi", "wan")
@@ -44,6 +46,14 @@ def variation(number, config=None, robot="none"):
     return {"settings": settings, "link": LINKS[link], **({"plant": PLANTS[plant]} if robot == "virtual" else {})}
 
 
+def _hazard_of(exercise, hazard, config):
+    """"own" is the exercise's."""
+    if hazard != "own" or exercise is None:
+        return hazard
+    root = pathlib.Path(root_file(config)).parent
+    return yaml.safe_load((root / "exercises" / f"{exercise}.yaml").read_text(encoding="utf-8"))["drill"]["scenario"]
+
+
 class Raven(gymnasium.Env):
     """Both arms in an exercise. `arms`: those that an action moves.
 
@@ -52,6 +62,7 @@ class Raven(gymnasium.Env):
     world axes.
     `robot`: "virtual" or "none"; None: "virtual" with a hazard, else "none", which is faster.
     With `pictures=(width, height)` a dict of that ("state") and the endoscope's image ("picture").
+    With `hazard` it comes 0.1 to 1 s after the reset, by its seed.
     With `variations=n` each reset takes one of the variations 0 to n - 1 (see variation()), by its seed.
     """
 
@@ -60,7 +71,8 @@ class Raven(gymnasium.Env):
     def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot=None, config=None, max_steps=1000, variations=1,
                  render_mode=None):
         self.render_mode = render_mode
-        self._make = {"exercise": exercise, "hazard": hazard, "robot": robot or ("none" if hazard is None else "virtual"), "config": config}
+        self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
+        self._make = {"exercise": exercise, "robot": robot or ("none" if hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
         if variations < 1:
@@ -83,13 +95,20 @@ class Raven(gymnasium.Env):
             simulation = Simulation(seed=0, **self._make, **varied)
             simulation.start()
             self._started[number] = (simulation, simulation.save())
-        self._number, (self._simulation, begin) = number, self._started[number]
+            if self._hazard:
+                simulation.inject(self._hazard)  # one that does not exist is refused here
+        self._number, (self._simulation, begin) = number, self._started.pop(number)
+        self._started[number] = (self._simulation, begin)  # the last one used goes last
+        if len(self._started) > MOST_STARTED:
+            oldest = next(iter(self._started))
+            self._started.pop(oldest)[0].close()
         self._simulation.restore(begin)
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         self._take(int(self.np_random.integers(self._variations)) if self._variations > 1 else 0)
         self._step = self._done_before = 0
+        self._strike = int(self.np_random.integers(*STRIKE)) if self._hazard else None
         command = np.zeros((2, 7))
         command[:, :3] = self.np_random.uniform(-SPREAD, SPREAD, (2, 3))
         command[:, 6] = OPEN
@@ -106,6 +125,8 @@ class Raven(gymnasium.Env):
             if len(row) == 7:
                 command[arm, 3:6] = TURN * row[3:6]
                 command[arm, 6] = OPEN * (row[6] + 1) / 2
+        if self._step == self._strike:
+            self._simulation.inject(self._hazard)
         self._simulation.step(command, ticks=TICKS)
         self._step += 1
         info = self._info()

@@ -2,11 +2,13 @@
 killed continues."""
 
 import concurrent.futures
+import ctypes
 import hashlib
 import json
 import os
 import pathlib
 import shutil
+import signal
 import subprocess
 
 import numpy as np
@@ -102,11 +104,17 @@ def make_part(directory, folder, fps, pictures):
     return None
 
 
+def _end_with_parent():
+    """A worker whose parent was killed would wait for work for ever."""
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)
+    ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
+
+
 def make_parts(directories, work, fps, pictures, jobs):
     """Parts of all sessions, in the order of splits and names. @throw SessionError with the first reason, after all others."""
     folders = {directory: pathlib.Path(work) / _key(directory, fps, pictures) for directory in directories}
     bar, refused = Bar(len(directories), "exported"), []
-    with cancelling(concurrent.futures.ProcessPoolExecutor(jobs)) as pool:
+    with cancelling(concurrent.futures.ProcessPoolExecutor(jobs, initializer=_end_with_parent)) as pool:
         waiting = {pool.submit(make_part, directory, folder, fps, pictures): directory for directory, folder in folders.items()}
         for each in concurrent.futures.as_completed(waiting):
             refused += [each.result()] if each.result() else []

@@ -78,7 +78,7 @@ class Episode:
 
     def _frame_ticks(self):
         """Index of the newest tick of each frame."""
-        count = round((self._times[-1] + 1) / 1000 * self.fps)
+        count = ((int(self._times[-1]) + 1) * self.fps + 500) // 1000  # as the renderer counts them (frame_timeline.cpp)
         wanted = np.floor(np.arange(count) * 1000.0 / self.fps + 1e-6)
         return np.searchsorted(self._times, wanted, side="right") - 1
 

@@ -138,7 +138,7 @@ class Station:
         if not self.link.is_up:
             return {"level": 2, "text": "No ROS master: the station waits for one."}
         silent = not self.is_heard
-        if silent and self.supervisor.phase == "running" and time.monotonic() - self.supervisor.began_at < DAEMON_START:
+        if silent and self.supervisor.phase == "running" and DAEMON_START > time.monotonic() - self.supervisor.began_at:
             return {"level": 0, "text": "The session starts."}
         if silent and self.supervisor.phase == "running":
             return {"level": 2, "text": "The trainer does not answer. Stop the session and start it again."}

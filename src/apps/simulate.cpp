@@ -85,7 +85,7 @@ int simulate(const Options& options) {
   if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
   if (options.motion_scale > 0.0) config.console.scale = options.motion_scale;
   if (console::isCommanded(options.motion.motion)) prepareForCommands(options, &config);
-  const Impairment impairment = apps::impairmentByName(options.impairment);
+  const Impairment impairment = apps::impairmentByName(options.impairment, options.common.config);
   const double seconds = secondsOf(options, config);
   apps::TruthFile truth(options.motion.truth);
   auto surgeon = console::makeMotion(config, options.motion.choice(), truth.log());

@@ -6,6 +6,7 @@
 
 #include "named_files.h"
 #include "raven2_trainer/config/section.h"
+#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::config {
@@ -135,6 +136,11 @@ Impairment loadImpairment(const std::string& path) {
   if (std::find(keys.begin(), keys.end(), "outages") != keys.end()) readOutages(root, &c);
   root.finish();
   return c;
+}
+
+std::string impairmentFolder(const std::string& root) {
+  const fs::path own = fs::path(root).parent_path() / "impairments";
+  return !root.empty() && fs::is_directory(own) ? own.string() : shareFolder() + "/config/impairments";
 }
 
 std::vector<std::string> impairmentNames(const std::string& folder) {

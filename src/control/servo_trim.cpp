@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/kinematics/arm_kinematics.h"
+
 namespace raven2_trainer::control {
 
 void ServoTrim::step(const JointArray& asked, const JointArray& measured, bool rests) noexcept {

@@ -9,6 +9,8 @@
 #include <cstring>
 #include <mutex>
 #include <new>
+#include <stdexcept>
+#include <string>
 
 namespace raven2_trainer::python {
 namespace {
@@ -81,7 +83,10 @@ Arena::Arena() {
   std::size_t index = 0;
   while (index < kMost && all.taken[index])
     ++index;
-  if (index == kMost || all.begin == nullptr) throw std::bad_alloc();
+  if (index == kMost)
+    throw std::runtime_error("there are " + std::to_string(kMost) +
+                             " simulations, the most in one process: delete some");
+  if (all.begin == nullptr) throw std::bad_alloc();
   std::byte* const base = all.begin + index * kCapacity;
   if (mprotect(base, kCapacity, PROT_READ | PROT_WRITE) != 0) throw std::bad_alloc();
   all.taken[index] = true;

@@ -12,7 +12,7 @@ namespace raven2_trainer::python {
  */
 class Arena {
  public:
-  /** @throw std::bad_alloc if there are kMost of them, or no address space. */
+  /** @throw std::runtime_error if there are kMost of them, std::bad_alloc if there is no address space. */
   Arena();
   ~Arena();
   Arena(const Arena&) = delete;

@@ -23,10 +23,16 @@ namespace {
 
 using Settings = std::vector<std::pair<std::string, std::string>>;  ///< key, value as YAML
 
+/** A caller's methods, `__str__` of a key for example, may change the dict while it is read. */
+py::dict copied(const py::handle& given) {
+  return py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
+}
+
 ArmCommand armCommand(const py::handle& given, const std::string& arm) {
   ArmCommand command;
   if (!py::isinstance<py::dict>(given)) throw std::invalid_argument(arm + ": expected a dict");
-  for (const auto& [key, value] : py::cast<py::dict>(given)) {
+  const py::dict items = copied(given);
+  for (const auto& [key, value] : items) {
     const auto name = py::cast<std::string>(py::str(key));
     const std::string what = arm + "/" + name;
     if (name == "move") {
@@ -41,7 +47,7 @@ ArmCommand armCommand(const py::handle& given, const std::string& arm) {
       throw std::invalid_argument(what + ": unknown key; known: move, turn, joints, jaw");
     }
   }
-  if (command.joints && (py::cast<py::dict>(given).size() > 1))
+  if (command.joints && items.size() > 1)
     throw std::invalid_argument(arm + ": joints go alone, they have the jaws in them");
   return command;
 }
@@ -70,7 +76,8 @@ StepCommand stepCommand(const py::object& given) {
     throw std::invalid_argument("command: expected None, a dict or an array of shape (2, 7)");
   }
   StepCommand command;
-  for (const auto& [key, value] : py::cast<py::dict>(given)) {
+  const py::dict items = copied(given);
+  for (const auto& [key, value] : items) {
     const auto name = py::cast<std::string>(py::str(key));
     if (name == "gold" || name == "green") {
       at(command.arms, name == "gold" ? Arm::kGold : Arm::kGreen) = armCommand(value, name);
@@ -183,11 +190,22 @@ py::dict exerciseOf(const State& state) {
 
 // ---- many at once
 
-/** Steps all of them, each on one of the threads. @throw what one of them throws. */
+/** Threads that end before it does, however it ends. */
+struct Joined {
+  ~Joined() {
+    for (std::thread& each : threads)
+      each.join();
+  }
+  std::vector<std::thread> threads;
+};
+
+/** Steps all of them, each on one of the threads; none if a command is refused. @throw what one of them throws. */
 void stepAll(const std::vector<Simulation*>& all,
              const std::vector<StepCommand>& commands,
              int ticks,
              unsigned threads) {
+  for (std::size_t i = 0; i < all.size(); ++i)
+    all[i]->check(commands[i], ticks);
   std::atomic<std::size_t> next{0};
   std::mutex mutex;
   std::exception_ptr trouble;
@@ -201,12 +219,16 @@ void stepAll(const std::vector<Simulation*>& all,
       }
     }
   };
-  std::vector<std::thread> others;
-  for (unsigned i = 1; i < threads && i < all.size(); ++i)
-    others.emplace_back(work);
-  work();
-  for (std::thread& other : others)
-    other.join();
+  {
+    Joined others;
+    try {
+      for (unsigned i = 1; i < threads && i < all.size(); ++i)
+        others.threads.emplace_back(work);
+    } catch (const std::system_error&) {
+      // no more threads on this computer: the others do the work
+    }
+    work();
+  }
   if (trouble) std::rethrow_exception(trouble);
 }
 
@@ -233,7 +255,10 @@ void addSimulation(py::module_* target) {
             const StepCommand wanted = stepCommand(command);
             demandTicks(ticks);
             const py::gil_scoped_release release;
-            self.step(wanted, ticks);
+            self.step(wanted, ticks, [] {
+              const py::gil_scoped_acquire acquire;
+              if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+            });
           },
           py::arg("command") = py::none(), py::arg("ticks") = 1)
       .def(
@@ -325,7 +350,11 @@ void addState(py::module_* target) {
           })
       .def_property_readonly("true_joints",
                              [](const State& s) {
-                               const PerArm<JointArray> q = s.simulation().trueJoints();
+                               PerArm<JointArray> q;
+                               {
+                                 const py::gil_scoped_release release;
+                                 q = s.simulation().trueJoints();
+                               }
                                return Numbers({2, 7}, q[0].data());
                              })
       .def_property_readonly("mode",
@@ -346,11 +375,17 @@ void addStepAll(py::module_* target) {
   py::module_& module = *target;
   module.def("step_all", [](const py::list& simulations, const py::list& commands, int ticks, unsigned threads) {
     if (simulations.size() != commands.size()) throw std::invalid_argument("expected a command for each simulation");
+    // Their own references: the caller's lists may change meanwhile.
+    std::vector<py::object> kept, given;
+    for (std::size_t i = 0; i < simulations.size(); ++i) {
+      kept.push_back(py::reinterpret_borrow<py::object>(simulations[i]));
+      given.push_back(py::reinterpret_borrow<py::object>(commands[i]));
+    }
     std::vector<Simulation*> all;
     std::vector<StepCommand> wanted;
-    for (std::size_t i = 0; i < simulations.size(); ++i) {
-      all.push_back(&py::cast<Simulation&>(simulations[i]));
-      wanted.push_back(stepCommand(py::reinterpret_borrow<py::object>(commands[i])));
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      all.push_back(&py::cast<Simulation&>(kept[i]));
+      wanted.push_back(stepCommand(given[i]));
     }
     demandTicks(ticks);
     const py::gil_scoped_release release;

@@ -77,7 +77,8 @@ py::tuple inverseOf(const Kinematics& self,
   const auto p = Numbers::ensure(given_p), R = Numbers::ensure(given_R);
   PyErr_Clear();
   const bool fits = p && R && p.ndim() >= 1 && R.ndim() == p.ndim() + 1 && p.shape(p.ndim() - 1) == 3 &&
-                    R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 && R.size() == 3 * p.size();
+                    R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 &&
+                    std::equal(p.shape(), p.shape() + p.ndim() - 1, R.shape());
   if (!fits) throw std::invalid_argument("p, R: expected arrays of shapes (..., 3) and (..., 3, 3)");
   if (!std::isfinite(opening)) throw std::invalid_argument("opening: not a finite number");
   Numbers joints(leading(p, 1, {8, 7}));
@@ -195,8 +196,11 @@ py::array_t<bool> inCollision(Planner& self,
   const Numbers rows = jointRows(joints);
   const JointArray there = jointsOr(other, self.home(), "other");
   py::array_t<bool> found(leading(rows, 1, {}));
-  for (py::ssize_t i = 0; i < found.size(); ++i)
-    found.mutable_data()[i] = self.inCollision(armOf(arm), finiteRow(rows, i), there);
+  bool* const is_in = found.mutable_data();
+  const py::ssize_t count = found.size();
+  const py::gil_scoped_release release;
+  for (py::ssize_t i = 0; i < count; ++i)
+    is_in[i] = self.inCollision(armOf(arm), finiteRow(rows, i), there);
   return found;
 }
 
@@ -218,7 +222,9 @@ void addPlanner(py::module_* module) {
       .def(
           "edge_cost",
           [](Planner& self, const std::string& arm, const py::object& a, const py::object& b) {
-            return self.edgeCost(armOf(arm), arrayOf<JointArray>(a, "a"), arrayOf<JointArray>(b, "b"));
+            const JointArray from = arrayOf<JointArray>(a, "a"), to = arrayOf<JointArray>(b, "b");
+            const py::gil_scoped_release release;
+            return self.edgeCost(armOf(arm), from, to);
           },
           py::arg("arm"), py::arg("a"), py::arg("b"));
 }

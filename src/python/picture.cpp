@@ -1,7 +1,12 @@
 #include "python/picture.h"
 
-#include <list>
+#include <unistd.h>
 
+#include <atomic>
+#include <list>
+#include <memory>
+
+#include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/camera.h"
 #include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
@@ -25,22 +30,49 @@ struct Stage {
   render::SceneBuilder builder;
 };
 
+/** Of one thread. In a process that was forked they stay: to destroy them the drawing library would wait for its
+ * threads. */
+class Stages {
+ public:
+  Stages() = default;
+  ~Stages() {
+    if (getpid() != process_) static_cast<void>(list_.release());
+  }
+  Stages(const Stages&) = delete;
+  Stages& operator=(const Stages&) = delete;
+  std::list<Stage>* operator->() const noexcept { return list_.get(); }
+
+ private:
+  const pid_t process_{getpid()};
+  std::unique_ptr<std::list<Stage>> list_{std::make_unique<std::list<Stage>>()};
+};
+
+/** The drawing library's threads are not in a process that was forked: it would wait for them for ever. */
+void demandFirstProcess() {
+  static std::atomic<pid_t> first{0};
+  pid_t drawn_by = 0;
+  if (first.compare_exchange_strong(drawn_by, getpid()) || drawn_by == getpid()) return;
+  throw RenderException(
+      "the process that this one was forked from has drawn pictures: start processes that draw with spawn");
+}
+
 /** That of this simulation and size on this thread; the one that waited longest makes room. */
 Stage& stageFor(const Simulation& simulation, int width, int height) {
-  static thread_local std::list<Stage> stages;
-  for (auto it = stages.begin(); it != stages.end(); ++it) {
+  static thread_local const Stages stages;
+  for (auto it = stages->begin(); it != stages->end(); ++it) {
     if (it->number != simulation.number() || it->renderer.width() != width || it->renderer.height() != height) continue;
-    stages.splice(stages.begin(), stages, it);
-    return stages.front();
+    stages->splice(stages->begin(), *stages.operator->(), it);
+    return stages->front();
   }
-  if (stages.size() >= kMostStages) stages.pop_back();
-  return stages.emplace_front(simulation, width, height);
+  if (stages->size() >= kMostStages) stages->pop_back();
+  return stages->emplace_front(simulation, width, height);
 }
 
 /** draw(renderer, scene, camera) of the newest state. */
 template <typename Draw>
 auto withScene(const Simulation& simulation, const std::string& camera, int width, int height, Draw draw) {
   const CameraConfig& config = model::requireCamera(simulation.config().render.cameras, camera);
+  demandFirstProcess();
   Stage& stage = stageFor(simulation, width, height);
   const std::lock_guard<std::mutex> lock(simulation.mutex());
   render::Snapshot snapshot;

@@ -1,9 +1,12 @@
 #include "python/simulation.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <fstream>
 #include <optional>
 #include <stdexcept>
@@ -27,6 +30,7 @@ namespace {
 
 std::atomic<std::uint64_t> simulations{0};
 const std::string kCommands = "commands";  ///< motion from step()
+constexpr int kInterruptTicks = 1000;
 constexpr double kMaxTurn = 0.0989;        ///< [rad] in a tick; less than a packet of the console takes
 
 }  // namespace
@@ -102,7 +106,8 @@ class Simulation::Recording {
   Recording(const TrainerConfig& config, const SimulationOptions& options, lockstep::LockstepStack* stack)
       : config_(config),
         stack_(*stack),
-        paths_(session::createSessionDirectory(options.output)),
+        paths_(session::createSessionDirectory(
+            std::filesystem::absolute(options.output))),  // a later chdir changes nothing
         meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, labelOf(options))),
         recorder_(config, stack->bodyNames(), paths_, labelOf(options), stack->shared()) {
     if (options.motion != kCommands) return;
@@ -114,15 +119,14 @@ class Simulation::Recording {
   void note(const console::HandsCommand& command) { commands_->add(command); }
   void follow() { recorder_.follow(); }
   void finish() {
+    if (commands_) commands_->flush();  // whatever comes of the rest
+    if (commands_) commands_file_.close();
     recorder_.drain();  // the counts include it
     recorder_.finish(stack_.counts());
     meta_.realtime = "lockstep";
     session::writeMeta(paths_, meta_, config_);
     recording::finishSession(paths_);
-    if (!commands_) return;
-    commands_->flush();
-    commands_file_.close();
-    if (!commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
+    if (commands_ && !commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
   }
 
  private:
@@ -138,10 +142,11 @@ class Simulation::Recording {
 Simulation::Simulation(const SimulationOptions& options)
     : number_(++simulations),
       config_(loadConfig(options)),
-      link_(config::findImpairment(config::shareFolder() + "/config/impairments", options.link)),
+      link_(config::findImpairment(config::impairmentFolder(options.config), options.link)),
       raven_(std::make_shared<model::RavenModel>(model::loadRavenModel(config_))),
       scene_(std::make_shared<model::SceneModel>(model::loadSceneModel(config_))),
       records_(std::make_unique<RecordRings>()),
+      process_(getpid()),
       has_robot_(options.has_robot) {
   physics::initialiseOde();
   std::string wrong_setting, trouble;
@@ -190,6 +195,8 @@ void Simulation::build(const SimulationOptions& options) {
 }
 
 Simulation::~Simulation() {
+  if (getpid() != process_)
+    static_cast<void>(recording_.release());  // its files are the parent's, and stay as they are
   recording_.reset();
   physics::attachOdeToThread();
   const OdeBuilding building;
@@ -198,6 +205,9 @@ Simulation::~Simulation() {
 
 void Simulation::demandOpen() const {
   if (is_closed_) throw std::runtime_error("the simulation is closed");
+  if (recording_ && getpid() != process_)
+    throw std::runtime_error(
+        "a recorded simulation is stepped by the process that made it, not by one that was forked from it");
 }
 
 void Simulation::demandHands(const StepCommand& command) const {
@@ -207,6 +217,9 @@ void Simulation::demandHands(const StepCommand& command) const {
 
 /** A packet with more than its limit would be refused whole, and nothing would move. */
 void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const {
+  const double turn = toEigen(command.turn_W).norm() / ticks;
+  if (!(turn <= kPi))
+    throw std::invalid_argument(std::string(name(arm)) + ": turn is over 3.14 rad in a tick: take more ticks");
   Pose from, to{Matrix3::Identity(), toEigen(command.move_W)};
   if (command.joints) {
     from = led(arm);
@@ -224,6 +237,7 @@ void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const
 }
 
 void Simulation::tick() {
+  asked_rows_ = 0;
   {
     const ArenaScope scope(&arena_);
     stack_->tick();
@@ -237,19 +251,29 @@ void Simulation::tick() {
   if (recording_) recording_->follow();
 }
 
-void Simulation::step(const StepCommand& command, int ticks) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+void Simulation::demand(const StepCommand& command, int ticks) const {
   demandOpen();
   demandHands(command);
-  physics::attachOdeToThread();
   for (const Arm arm : kArms)
     demandSlow(arm, at(command.arms, arm), ticks);
+}
+
+void Simulation::check(const StepCommand& command, int ticks) const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demand(command, ticks);
+}
+
+void Simulation::step(const StepCommand& command, int ticks, const std::function<void()>& interrupt) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  demand(command, ticks);
+  physics::attachOdeToThread();
   for (const Arm arm : kArms) {
     const ArmCommand& wanted = at(command.arms, arm);
     if (wanted.jaw) at(jaws_, arm) = limited(*wanted.jaw);
     if (wanted.joints) at(jaws_, arm) = limited(kinematics::jawOpening(*wanted.joints));
   }
   for (int left = ticks; left > 0; --left) {
+    if (left % kInterruptTicks == 0) interrupt();
     if (source_ != nullptr) source_->set(handsFor(command, ticks, left));
     tick();
   }
@@ -335,6 +359,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   if (snapshot.owner != number_) throw std::invalid_argument("the snapshot is another simulation's");
   jaws_ = snapshot.jaws;
   under_way_ = snapshot.under_way;
+  asked_rows_ = 0;
   arena_.restore(snapshot.memory);
 }
 
@@ -346,7 +371,22 @@ void Simulation::inject(const std::string& hazard) {
   request.fault_id = config::faultId(config_, hazard);
   if (request.fault_id == 0) throw std::invalid_argument("inject: \"none\" is no hazard; clear_hazards() ends all");
   demandRobotFor(config_, hazard, has_robot_);
-  stack_->shared()->fault_requests.tryPush(request);
+  const std::size_t rows = config_.scenarios[request.fault_id - 1].faults.size();
+  const FaultPlan armed = stack_->shared()->faults.load();
+  const auto others =
+      static_cast<std::size_t>(std::count_if(armed.faults.begin(), armed.faults.begin() + armed.count,
+                                             [&](const Fault& row) { return row.id != request.fault_id; }));
+  if (others + asked_rows_ + rows > kMaxFaults)
+    throw std::runtime_error("inject: " + std::to_string(others + asked_rows_) + " of " + std::to_string(kMaxFaults) +
+                             " rows of hazards are armed, also of those that have ended, and " + hazard + " has " +
+                             std::to_string(rows) + ": call clear_hazards() first");
+  asked_rows_ += rows;
+  ask(request);
+}
+
+void Simulation::ask(const FaultRequest& request) {
+  if (!stack_->shared()->fault_requests.tryPush(request))
+    throw std::runtime_error("too many requests about hazards in one tick: step first");
 }
 
 void Simulation::clearHazards() {
@@ -354,14 +394,23 @@ void Simulation::clearHazards() {
   demandOpen();
   FaultRequest request;
   request.order = FaultOrder::kClear;
-  stack_->shared()->fault_requests.tryPush(request);
+  ask(request);
+  asked_rows_ = 0;
 }
 
 void Simulation::close() {
   const std::lock_guard<std::mutex> lock(mutex_);
+  if (!end_trouble_.empty()) throw SessionException(end_trouble_);
   if (is_closed_) return;
+  demandOpen();
   is_closed_ = true;
-  if (recording_) recording_->finish();
+  if (!recording_) return;
+  try {
+    recording_->finish();
+  } catch (const SessionException& e) {
+    end_trouble_ = e.what();
+    throw;
+  }
 }
 
 PerArm<JointArray> Simulation::trueJoints() const {

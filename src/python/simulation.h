@@ -1,5 +1,8 @@
 #pragma once
 
+#include <sys/types.h>
+
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -66,9 +69,14 @@ class Simulation : public Constructed {
   explicit Simulation(const SimulationOptions& options);
   ~Simulation();
 
-  /** Ticks of a command. @throw std::invalid_argument for numbers that are not finite or a motion that is too fast,
-   *  and where a simulated surgeon has the hands. */
-  void step(const StepCommand& command, int ticks);
+  /** @throw std::invalid_argument for a motion that is too fast, and where a simulated surgeon has the hands. */
+  void check(const StepCommand& command, int ticks) const;
+
+  /** Ticks of a command. @param[in] interrupt is called once a second of them, and may throw. @throw as check(). */
+  void step(
+      const StepCommand& command,
+      int ticks,
+      const std::function<void()>& interrupt = [] {});
 
   /** Pedal up, until the arms wait for it. @return ticks. @throw std::runtime_error after `limit` ticks. */
   int start(int limit);
@@ -77,7 +85,7 @@ class Simulation : public Constructed {
   /** @throw std::invalid_argument for another simulation's. */
   void restore(const Snapshot& snapshot);
 
-  /** A scenario of the library, at once. @throw ConfigException. */
+  /** A scenario of the library, at once. @throw ConfigException; std::runtime_error if too many are armed already. */
   void inject(const std::string& hazard);
   void clearHazards();
 
@@ -100,6 +108,8 @@ class Simulation : public Constructed {
   class Recording;
 
   void demandOpen() const;
+  void demand(const StepCommand& command, int ticks) const;
+  void ask(const FaultRequest& request);
   void demandHands(const StepCommand& command) const;
   void demandSlow(Arm arm, const ArmCommand& command, int ticks) const;
   void build(const SimulationOptions& options);
@@ -123,6 +133,9 @@ class Simulation : public Constructed {
   std::unique_ptr<lockstep::LockstepStack> stack_;
   PerArm<std::optional<double>> jaws_{};  // [rad] commanded openings
   UnderWay under_way_;
+  std::size_t asked_rows_{0};  // of hazards, since the last tick
+  std::string end_trouble_;    // why the end of the recorded session was not written
+  const pid_t process_;
   const bool has_robot_;
   bool is_closed_{false};
 };

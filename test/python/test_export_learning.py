@@ -240,6 +240,30 @@ def test_what_cannot_be_exported_is_said_and_the_rest_is_kept(sessions, tmp_path
     assert done.returncode == 1 and "exists; delete it or choose another --output" in done.stderr
 
 
+def test_a_session_whose_length_is_half_a_frame_is_exported(tmp_path):
+    session = simulate(tmp_path / "short", 0.150, "none")  # 4.5 frames
+    done = export(session, "--format", "hdf5", "--cameras", "endoscope", "--size", "64x64", "--output", tmp_path / "set.hdf5")
+    assert done.returncode == 0 and "5 frames" in done.stderr, done.stderr
+
+
+def test_a_killed_export_leaves_no_workers(sessions, tmp_path):
+    command = [PROGRAMS / "export_session", *sessions.values(), "--format", "hdf5", "--cameras", "endoscope,top,overview", "--size", "640x480",
+               "--jobs", "2", "--output", tmp_path / "set.hdf5"]
+    mark = str(tmp_path / "set.hdf5")
+    with subprocess.Popen(list(map(str, command)), stderr=subprocess.DEVNULL) as running:
+        until = time.monotonic() + 60
+        while time.monotonic() < until and not list((tmp_path / "set.hdf5.parts").glob("*/*.mp4")):
+            time.sleep(0.02)
+        found = subprocess.run(["pgrep", "-f", f"export_dataset.*{mark}"], capture_output=True, text=True, check=False).stdout.split()
+        running.kill()
+    for pid in found[:1]:
+        subprocess.run(["kill", "-9", pid], check=False)
+    until = time.monotonic() + 30
+    while subprocess.run(["pgrep", "-f", mark], capture_output=True, check=False).returncode == 0 and time.monotonic() < until:
+        time.sleep(0.05)
+    assert len(found) >= 3 and subprocess.run(["pgrep", "-f", mark], capture_output=True, check=False).returncode != 0
+
+
 @pytest.mark.parametrize("words, reason", [
     (("--format", "hdf5", "--cameras", "nowhere"), "nowhere"), (("--format", "hdf5", "--size", "63x64"), "63x64"),
     (("--format", "hdf5", "--fps", "0"), "fps"), (("--format", "hdf5", "--lerobot", "9"), "lerobot")])
@@ -273,7 +297,7 @@ def test_a_session_with_another_reaction_is_another_session(tmp_path):
 
 
 def test_shares_of_a_data_set_come_together(tmp_path):
-    words = ("--exercise", "pick_hand_over_place", "--seeds", "1..2", "--output", tmp_path / "set.hdf5")
+    words = ("--exercise", "pick_hand_over_place", "--seeds", "1..2", "--output", f"{tmp_path}/set.hdf5/")
     script = ROOT / "scripts/make_dataset"
     done = export(*words, "--part", "2/2", program=script)
     assert done.returncode == 0 and [p.name for p in (tmp_path / "set.hdf5.sessions").iterdir()] == ["pick_hand_over_place-none-expert-2"]
@@ -291,10 +315,18 @@ def test_shares_of_a_data_set_come_together(tmp_path):
     assert done.returncode == 2 and "nothing" in done.stderr
 
 
+def test_no_hazard_at_all_is_a_wrong_argument(tmp_path):
+    done = export("--exercise", "pick_hand_over_place", "--seeds", "1", "--hazards", ",", "--output", tmp_path / "set/", program=ROOT / "scripts/make_dataset")
+    assert done.returncode == 2 and "at least one name" in done.stderr and not list(tmp_path.iterdir()), done.stderr
+
+
 def test_a_wrong_hazard_is_found_before_the_first_session(tmp_path):
     done = export("--exercise", "pick_hand_over_place", "--seeds", "1", "--hazards", "own,sudden_jumb", "--output", tmp_path / "set.hdf5",
                   program=ROOT / "scripts/make_dataset")
     assert done.returncode == 2 and "sudden_jumb" in done.stderr and not list(tmp_path.iterdir()), done.stderr
+    done = export("--exercise", "pick_hand_over_place", "--seeds", "1", "--cameras", "endoscpe", "--output", tmp_path / "set.hdf5",
+                  program=ROOT / "scripts/make_dataset")
+    assert done.returncode == 2 and "endoscpe" in done.stderr and not list(tmp_path.iterdir()), done.stderr
 
 
 def test_a_terminated_run_ends_its_simulations_and_leaves_no_half_session(tmp_path):

@@ -67,11 +67,16 @@ env.close()
 env = gymnasium.make("raven2_trainer/PickRing-v0", hazard="sudden_jump", pictures=(64, 48), variations=2)
 seed = next(seed for seed in range(20) if env.reset(seed=seed)[1]["variation"] == 1)
 observation, _ = env.reset(seed=seed)
+
+came = [env.step(np.zeros(7, np.float32))[4]["hazard"] for _ in range(60)]
+assert any(came), "the hazard comes in the first steps, in an exercise whose drill is later, too"
+
+assert not env.reset(seed=seed)[1]["hazard"], "and is over with the episode"
 assert observation["picture"].shape == (48, 64, 3) and observation["picture"].std() > 5
 assert env.observation_space.contains(observation)
 env.close()
 
-# without a robot there is no hazard of the robot
+# Without a robot there is no hazard of the robot.
 assert "sudden_jump acts on the robot" in refused("PickRing", hazard="sudden_jump", robot="none")
 print("all good")
 """

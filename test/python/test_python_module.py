@@ -4,6 +4,7 @@ import copy
 import os
 import pathlib
 import pickle
+import shutil
 import subprocess
 import sys
 import threading
@@ -373,10 +374,149 @@ def test_a_simulated_surgeon_takes_no_commands():
         assert simulation.state.tick == 5
 
 
-def test_many_at_once_raise_what_one_would():
-    many = raven2_trainer.VectorSimulation(2, robot="none")
-    with pytest.raises(ValueError, match="take more ticks"):
-        many.step([None, {"gold": {"move": [0, 0, 0.5]}}])
+def test_many_at_once_raise_what_one_would_and_none_is_stepped():
+    many = raven2_trainer.VectorSimulation(3, robot="none")
+    for command, says in (({"gold": {"move": [0, 0, 0.5]}}, "take more ticks"), ({"gold": {"turn": [1e154, 1e154, 0]}}, "over 3.14 rad")):
+        with pytest.raises(ValueError, match=says):
+            many.step([None, command, None], ticks=2)
+    many.simulations[2].close()
+    with pytest.raises(RuntimeError, match="closed"):
+        many.step(ticks=2)
+    assert [simulation.state.tick for simulation in many.simulations] == [0, 0, 0]
+
+
+def alone(program, folder, *arguments):
+    """The end of a program in another Python: it could end this one."""
+    return subprocess.run([sys.executable, "-c", "import os, signal, sys, threading, time\nimport numpy as np\nimport raven2_trainer\n" + program, *arguments],
+                          cwd=folder, capture_output=True, text=True, timeout=120, check=False,
+                          env=dict(os.environ, PYTHONPATH=str(BUILD / "devel/lib/python3/dist-packages")))
+
+
+CLEARED = """
+many = raven2_trainer.VectorSimulation(2, robot="none")
+stepping = threading.Thread(target=lambda: many.step(ticks=5000))
+stepping.start()
+time.sleep(0.1)
+many.simulations.clear()
+stepping.join()
+"""
+CHANGED = """
+class Array:
+    def __array__(self, *_):
+        many.simulations[0] = None
+        return np.zeros((2, 7))
+many = raven2_trainer.VectorSimulation(2, robot="none")
+many.step([Array(), Array()])
+class Key(str):
+    def __str__(self):
+        command.clear()
+        return "move"
+    __hash__ = str.__hash__
+command = {Key("move"): [0.0, 0.0, 0.0]}
+raven2_trainer.Simulation(robot="none").step({"gold": command})
+"""
+
+
+@pytest.mark.parametrize("program", [CLEARED, CHANGED])
+def test_what_a_caller_takes_away_meanwhile_ends_nothing(program, tmp_path):
+    done = alone(program, tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_ctrl_c_ends_a_long_step(tmp_path):
+    done = alone("""
+simulation = raven2_trainer.Simulation(robot="none")
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+begun = time.monotonic()
+try:
+    simulation.step(ticks=1000000)
+except KeyboardInterrupt:
+    print(simulation.state.tick < 1000000)
+simulation.step(ticks=5)
+""", tmp_path)
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+def test_a_forked_process_leaves_the_recording_and_the_pictures_alone(tmp_path):
+    done = alone("""
+simulation = raven2_trainer.Simulation(output="made")
+simulation.start()
+simulation.step({"gold": {"move": [0, 0, 0.001]}}, ticks=100)
+
+for has_drawn in (False, True):
+    if has_drawn:
+        simulation.render("endoscope", 64, 64)
+    if os.fork() == 0:
+        for call in (simulation.step, simulation.close, *(has_drawn * [lambda: simulation.render("endoscope", 64, 64)])):
+            try:
+                call()
+                os._exit(1)
+            except (RuntimeError, raven2_trainer.RenderError) as error:
+                assert "fork" in str(error), error
+
+        del simulation, call
+        # As multiprocessing ends: the drawing library would wait for its threads.
+        os._exit(0) if has_drawn else sys.exit(0)
+    assert os.wait()[1] == 0
+
+simulation.step({"gold": {"move": [0, 0, 0.001]}}, ticks=2000)
+ticks = simulation.state.tick
+simulation.close()
+log = raven2_trainer.Session("made").log
+assert log.clean and log.bad_bytes == 0 and len(log.ticks) == ticks, (log.clean, log.bad_bytes, len(log.ticks), ticks)
+assert open("made/commands.csv").read().count("pedal") == 1
+""", tmp_path)
+    assert done.returncode == 0, done.stderr
+
+
+def test_a_recording_ends_where_it_began_and_says_so_if_it_cannot(tmp_path, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path)
+    simulation = raven2_trainer.Simulation(output="made")
+    simulation.start()
+    simulation.step(ticks=50)
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    simulation.close()
+    assert (tmp_path / "made/metrics.json").exists() and not list((tmp_path / "elsewhere").iterdir())
+    lost = raven2_trainer.Simulation(output=tmp_path / "lost")
+    lost.start()
+    (tmp_path / "lost").rename(tmp_path / "away")
+    for _ in range(2):
+        with pytest.raises(raven2_trainer.SessionError, match="lost"):
+            lost.close()
+
+
+def test_hazards_that_do_not_fit_are_refused_and_not_forgotten(ready):
+    names = ("sudden_jump", "encoder_dead", "attack_dac_add", "packet_delay", "grasper_runaway", "unavailable_recoverable", "fk_pos", "fk_vel", "jpos_d")
+    with pytest.raises(RuntimeError, match="clear_hazards"):
+        for name in names:
+            ready.inject(name)
+            ready.step(ticks=2)
+    ready.clear_hazards()
+    ready.step(ticks=2)
+    ready.inject("encoder_dead")
+    ready.step(ticks=20)
+    assert ready.state.hazard
+    with pytest.raises(RuntimeError, match="step first|clear_hazards"):
+        for _ in range(100):
+            ready.inject("encoder_dead")
+
+
+def test_a_link_is_that_of_the_own_configuration(tmp_path):
+    for part in ("config", "urdf", "meshes"):
+        (tmp_path / part).symlink_to(ROOT / part) if part != "config" else shutil.copytree(ROOT / part, tmp_path / part)
+    path = tmp_path / "config/impairments/wan.yaml"
+    path.write_text(path.read_text().replace("constant_ms: 40.0", "constant_ms: 400.0"))
+
+    def late(**options):
+        with raven2_trainer.Simulation(robot="none", link="wan", **options) as simulation:
+            simulation.start()
+            before = simulation.state.desired_joints.copy()
+            simulation.step({"gold": {"move": [0, 0, 0.005]}}, ticks=50)
+            simulation.step(ticks=100)
+            return np.array_equal(simulation.state.desired_joints, before)
+
+    assert late(config=tmp_path / "config/trainer.yaml") and not late()
 
 
 def test_settings_that_are_not_good_are_refused_with_their_key():
@@ -445,6 +585,11 @@ def test_kinematics_agree_with_themselves_and_the_state(ready):
 def test_wrong_joints_are_refused(arguments):
     with pytest.raises((ValueError, TypeError)):
         raven2_trainer.Kinematics().forward(*arguments)
+
+
+def test_places_and_rotations_of_other_shapes_are_refused():
+    with pytest.raises(ValueError, match="expected arrays of shapes"):
+        raven2_trainer.Kinematics().inverse("gold", np.zeros((2, 3, 3)), np.tile(np.eye(3), (3, 2, 1, 1)))
 
 
 def test_a_picture_shows_the_motion_of_a_tool(ready):
@@ -626,6 +771,10 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
     assert [row["run"] for row in rows] == [1, 2, 3, 4]
     assert {row["outcome"] for row in rows if row["value"] == -20000} <= {"estop", "unsafe_jump"}
     assert raven2_trainer.outcomes(tmp_path / "out") == rows
+    for other in (campaign, raven2_trainer.Campaign("no_such_campaign")):
+        with pytest.raises(RuntimeError, match="holds a campaign|no campaign|no_such"):
+            other.run(tmp_path / "out", seed=99)
+    assert [path.name for path in tmp_path.iterdir()] == ["out"], "nothing is left next to it"
     with pytest.raises(RuntimeError, match="no campaign|nowhere"):
         raven2_trainer.Campaign("nowhere").run(tmp_path / "none")
 

@@ -17,6 +17,10 @@ Impairment loadImpairment(const std::string& path);
  */
 Impairment findImpairment(const std::string& folder, const std::string& name);
 
+/** Folder of the presets next to a root file like config/trainer.yaml; the packaged one without a root file, or if it
+ *  has no such folder. */
+std::string impairmentFolder(const std::string& root);
+
 /** Names of the presets in a folder, sorted. */
 std::vector<std::string> impairmentNames(const std::string& folder);
 

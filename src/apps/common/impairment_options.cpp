@@ -5,7 +5,6 @@
 #include <cstdlib>
 
 #include "raven2_trainer/config/load_impairment.h"
-#include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::apps {
@@ -62,8 +61,8 @@ std::int64_t seconds(const char* option, double value) {
 
 }  // namespace
 
-Impairment impairmentByName(const std::string& name) {
-  return config::findImpairment(config::shareFolder() + "/config/impairments", name);
+Impairment impairmentByName(const std::string& name, const std::string& config) {
+  return config::findImpairment(config::impairmentFolder(config), name);
 }
 
 void ImpairmentOptions::add(CLI::App* app) {

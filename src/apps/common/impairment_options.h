@@ -11,8 +11,8 @@ class App;
 
 namespace raven2_trainer::apps {
 
-/** A preset of config/impairments or a FILE.yaml. @throw ConfigException. */
-Impairment impairmentByName(const std::string& name);
+/** A preset of `config`'s folder (config::impairmentFolder), or a FILE.yaml. @throw ConfigException. */
+Impairment impairmentByName(const std::string& name, const std::string& config = {});
 
 /** Links of the proxy and their impairments: add() registers the options, load() reads the presets. */
 struct ImpairmentOptions {
