@@ -2,6 +2,7 @@
 
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/net/itp_sender.h"
+#include "raven2_trainer/net/key_file.h"
 
 namespace raven2_trainer::daemon {
 namespace {

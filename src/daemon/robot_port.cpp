@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/net/itp_sender.h"
+#include "raven2_trainer/net/key_file.h"
 #include "raven2_trainer/wire/robot_frame.h"
 
 namespace raven2_trainer::daemon {

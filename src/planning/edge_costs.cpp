@@ -4,6 +4,8 @@
 
 #include <algorithm>
 
+#include "planning/planning_problem.h"
+
 namespace raven2_trainer::planning {
 namespace {
 

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <ompl/base/OptimizationObjective.h>
 #include <ompl/base/SpaceInformation.h>
 
 #include <cstdint>
 #include <memory>
+
+#include "planning/joint_space.h"
 
 namespace raven2_trainer::planning {
 

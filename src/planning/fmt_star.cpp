@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "planning/free_volume.h"
+#include "planning/planning_problem.h"
 #include "planning/poll.h"
 
 namespace raven2_trainer::planning {

@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/core/contact.h"
 #include "raven2_trainer/core/state.h"
+#include "raven2_trainer/kinematics/eigen.h"
 
 // Contacts and forces as markers of RViz, in frame world and in the picture's colours (render/overlays.h). Numbers that
 // are not finite are left out.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "raven2_trainer/core/contact.h"
+#include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::ros_bridge {
 

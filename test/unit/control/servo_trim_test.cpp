@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::control {
 namespace {

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "loop/servo_manager.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/mode_table.h"
 

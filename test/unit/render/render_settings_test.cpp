@@ -9,6 +9,7 @@
 #include <map>
 #include <string>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/exceptions.h"
 
 namespace raven2_trainer::render {
