@@ -8,6 +8,7 @@ MOST_WAITING = 500    # messages; a page that reads no more than that is closed
 RATE, BURST = 200.0, 400.0  # [1/s], messages of a page
 MOST_DROPPED = 2000   # messages over that rate, then the page is closed
 MOST_AHEAD = 3        # pictures that the page has not shown yet
+AHEAD_LIMIT = 1.0     # [s] then they count as shown: a busy page does not say so
 WRITE_LIMIT = 5.0     # [s] for one message: the page is gone
 PICTURES = {"view": b"\x00", "camera": b"\x01"}
 
@@ -22,7 +23,7 @@ class Client:
         self._wake = asyncio.Event()
         self._tokens, self._filled, self.dropped = BURST, time.monotonic(), 0
         self.overrun = False
-        self.acknowledges, self._ahead = False, 0
+        self.acknowledges, self._ahead, self._shown_at = False, 0, 0.0
 
     def send(self, message):
         if len(self._texts) >= MOST_WAITING:
@@ -72,9 +73,12 @@ class Client:
         texts, self._texts = self._texts, []
         for text in texts:
             await self.socket.send_str(text)
+        now = time.monotonic()
         if self.acknowledges and self._ahead >= MOST_AHEAD:
-            return
+            if now - self._shown_at < AHEAD_LIMIT:
+                return
+            self._ahead = 0
         pictures, self._pictures = self._pictures, {}
         for which, data in pictures.items():
-            self._ahead += 1
+            self._ahead, self._shown_at = self._ahead + 1, now
             await self.socket.send_bytes(PICTURES[which] + data)

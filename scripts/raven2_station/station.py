@@ -377,7 +377,7 @@ class Station:
             self.broadcast({"t": "health", **health})
         if now - self._alive_at >= ALIVE_PERIOD:
             self._alive_at = now
-            self.broadcast({"t": "alive"})
+            self.broadcast({"t": "alive", **health})
         if now - self._status_at >= STATUS_PERIOD:
             self._status_at = now
             total = sum(self.refused.values())

@@ -361,7 +361,7 @@ class SlowPage:
         self.aborted = True
 
 
-def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges():
+def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges(monkeypatch):
     async def run():
         page = SlowPage()
         client = clients.Client(page, "trainee", 1)
@@ -379,6 +379,11 @@ def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges():
         client.shown()
         await asyncio.sleep(0.05)
         assert page.sent[-1] == b"\x00\x09" and len(page.sent) == clients.MOST_AHEAD + 2, "the newest, not those that waited"
+        monkeypatch.setattr(clients, "AHEAD_LIMIT", 0.01)
+        await asyncio.sleep(0.02)
+        client.show("view", b"x")
+        await asyncio.sleep(0.05)
+        assert page.sent[-1] == b"\x00x", "a page that forgot to acknowledge goes on"
         writer.cancel()
 
     asyncio.run(run())

@@ -18,6 +18,7 @@ const link = new Link("instructor", {
   library: (m) => { library = m; showLibrary(); },
   mode: showMode,
   health: showHealth,
+  alive: showHealth,
   station: showStation,
   exercise: (m) => showTask(m, exerciseOf(m.exercise).steps, exerciseOf(m.exercise).tracks),
   plan: (m) => { byId("plan-text").textContent = m.status === "idle" ? "" : `Plan: ${m.status}`; },

@@ -197,6 +197,6 @@ export function showTask(message, steps, tracks = []) {
 
 export function showHealth(message) {
   const health = byId("health");
-  health.textContent = message.text;
+  if (health.textContent !== message.text) health.textContent = message.text;
   health.dataset.level = message.level;
 }

@@ -8,6 +8,7 @@ const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
 const FORCE_SILENT_MS = 1000;  // no force is known any more
 const REFUSED_MS = 700;  // a held pedal counts within 100 ms, on a busy computer a little later
 const PEDAL_TEXTS = { yes: "Pedal DOWN", no: "Pedal up", refused: "Let the pedal go, then press it again" };
+const NO_GAMEPAD = byId("gamepad").textContent;
 const picture = new Picture(byId("picture"));
 const screen = byId("screen");
 const keys = loadKeys();
@@ -28,6 +29,7 @@ const link = new Link("trainee", {
   library: (m) => { steps = m.steps; tracks = m.tracks; },
   mode: showMode,
   health: showHealth,
+  alive: showHealth,
   station: showStation,
   exercise: (m) => showTask(m, steps[m.exercise] || [], tracks[m.exercise] || []),
   strips: showForce,
@@ -177,7 +179,7 @@ setInterval(() => {
   byId("arm").textContent = hands.arm === "gold" ? "gold (left)" : "green (right)";
   byId("jaw").textContent = hands.jaws[hands.arm] > 0.3 ? "open" : "closed";
   if (!drives || document.hidden || !document.hasFocus()) return;
-  byId("gamepad").textContent = hands.gamepad(seconds);
+  byId("gamepad").textContent = hands.gamepad(seconds) || NO_GAMEPAD;
   const message = hands.take(seconds);
   showPedal(message.pedal);
   link.send("hands", message);
