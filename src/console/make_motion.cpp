@@ -26,7 +26,8 @@ std::string clumsySurgeonOf(const Exercise& exercise) {
 }
 
 void demandExpert(const SurgeonConfig& config, const std::string& motion) {
-  if (config.exercise_name == "none") throw ConfigException("motion is \"" + motion + "\", which needs an exercise");
+  if (config.exercise_name == "none")
+    throw ConfigException("motion is \"" + motion + "\", which needs an exercise (--exercise)");
   if (config.exercise.expert.empty())
     throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name + " has no expert");
 }

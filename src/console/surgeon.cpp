@@ -55,20 +55,31 @@ Surgeon::Surgeon(const ConsoleConfig& config,
 
 Intent Surgeon::tick(const Senses& senses) {
   see(senses);
+  const bool waits = waitsForStop();
   if (senses.was_interrupted) free_at_ = std::max(free_at_, now_ + takeUpAgain());
-  while (now_ >= free_at_ && !finished_)
+  while (now_ >= free_at_ && !finished_ && !waits)
     free_at_ = now_ + next();
   Intent intent;
   intent.finished = finished_;
-  intent.pedal = pedal_ && !finished_;
+  intent.pedal = pedal_ && !finished_ && !waits;
   intent.pedals = finished_ ? 0 : pedals_;
   for (const Arm arm : kArms) {
     at(intent.hand_I, arm) = hand(arm).position(now_);
     at(intent.turn_I, arm) = hand(arm).turn(now_);
     at(intent.grasp, arm) = hand(arm).jaws(now_);
   }
-  ++now_;
+  if (!waits) ++now_;
   return intent;
+}
+
+/** A stop that somebody on the surgeon's side asked for: the pedal is up, and the hands rest, until it is cleared and
+ *  for a moment after that. The stop of a robot can be seen as well, but what to do about it is the Reaction's. */
+bool Surgeon::waitsForStop() {
+  const bool is_stopped = sight_ && sight_->mode == Mode::kStopped && sight_->runlevel != RunLevel::kEStop;
+  if (is_stopped) wait_ = toTicks(kClutchTime);
+  if (wait_ == 0) return false;
+  if (!is_stopped && --wait_ == 0) free_at_ = std::max(free_at_, now_ + takeUpAgain());
+  return wait_ > 0;
 }
 
 // ---- eyes ---------------------------------------------------------------------------------------------------------

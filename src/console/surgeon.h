@@ -108,6 +108,7 @@ class Surgeon : public MotionSource {
   void followJoints(Arm arm);
   void followRing(std::uint8_t object);
   Tick next();
+  bool waitsForStop();
   void begin();
   Tick press();
   Step until(std::function<bool()> is_so, double timeout);
@@ -120,6 +121,7 @@ class Surgeon : public MotionSource {
   std::uint32_t sequence_{0}, pedals_{0};
   std::uint8_t runlevel_{0};
   Tick now_{0}, free_at_{0};
+  Tick wait_{0};  ///< because of an emergency stop
   bool pedal_{false}, finished_{false}, saw_open_attempt_{false};
 };
 

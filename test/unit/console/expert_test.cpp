@@ -128,6 +128,44 @@ TEST_F(ExpertTest, StopsWhenTheAttemptHasFailed) {
   EXPECT_EQ(world.packet().surgeon_mode, 0) << "pedal up";
 }
 
+/** A stop that the instructor asked for can be cleared: it needs the pedal up. */
+TEST_F(ExpertTest, WaitsWithThePedalUpUntilAStopIsClearedAndContinues) {
+  FakeWorld& world = start(wholeTask());
+  for (int stop = 0; stop < 2; ++stop) {
+    world.run(4.0);
+    world.runToPress();
+    world.mode = Mode::kStopped;
+    world.runlevel = RunLevel::kPedalUp;
+    world.run(0.1);
+    const PerArm<Pose> tools{world.tool(Arm::kGold), world.tool(Arm::kGreen)};
+    for (int tick = 0; tick < 3000; ++tick) {
+      world.tick();
+      ASSERT_EQ(world.packet().surgeon_mode, 0) << tick;
+    }
+    for (const Arm arm : kArms)
+      EXPECT_EQ((world.tool(arm).p - at(tools, arm).p).norm(), 0.0);
+    world.mode = Mode::kPedalUp;
+    world.run(0.3);
+    EXPECT_EQ(world.packet().surgeon_mode, 0) << "not at once";
+    world.mode = Mode::kTeleoperating;
+    world.runlevel = RunLevel::kPedalDown;
+  }
+  world.run(250.0);
+  ASSERT_TRUE(world.finished());
+  EXPECT_LT(off(world.ring(), {-0.018, -0.028, 0.002}), 0.002);
+}
+
+/** The surgeon's response is judged: only a Reaction lets go. */
+TEST_F(ExpertTest, DoesNotLetGoBecauseARobotStoppedItself) {
+  FakeWorld& world = start(wholeTask());
+  world.run(4.0);
+  world.runToPress();
+  world.mode = Mode::kStopped;
+  world.runlevel = RunLevel::kEStop;
+  world.run(0.2);
+  EXPECT_EQ(world.packet().surgeon_mode, 1);
+}
+
 TEST_F(ExpertTest, TakesNoNoticeOfAnAttemptThatHadFailedBefore) {
   FakeWorld& world = start(wholeTask());
   world.exercise = ExerciseStatus::kFailed;

@@ -76,7 +76,17 @@ class FakeWorld {
       tick();
   }
 
+  /** Until the next press of the pedal has just begun. */
+  void runToPress() {
+    for (const int wanted : {0, 1}) {
+      while (packet_.surgeon_mode != wanted && !console_.finished())
+        tick();
+    }
+  }
+
   ExerciseStatus exercise{ExerciseStatus::kNone};  ///< as the surgeon sees it
+  Mode mode{Mode::kTeleoperating};                 ///< the same
+  RunLevel runlevel{RunLevel::kPedalDown};         ///< the same
   bool finished() const { return console_.finished(); }
   const Pose& ring() const { return ring_; }
   bool isHeldBy(Arm arm) const { return at(X_TR_, arm).has_value(); }
@@ -185,6 +195,8 @@ class FakeWorld {
     sight.sequence = ++pictures_;
     sight.tick = now_;
     sight.exercise = exercise;
+    sight.mode = mode;
+    sight.runlevel = runlevel;
     for (const Arm arm : kArms) {
       at(sight.tool_W, arm) = toArray(tool(arm));
       // a held bar keeps the jaws apart: it is 4 mm thick, 7.5 mm from the pivot
