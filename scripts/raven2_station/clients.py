@@ -64,6 +64,8 @@ class Client:
                 return
             try:
                 await asyncio.wait_for(self._write_all(), WRITE_LIMIT)
+            except ConnectionError:  # the page has gone
+                return
             except asyncio.TimeoutError:
                 if self._transport is not None:
                     self._transport.abort()  # close() would wait for the page to read

@@ -347,9 +347,11 @@ class SlowPage:
     """A socket of a page that reads nothing."""
 
     def __init__(self):
-        self.closed, self.sent, self.aborted, self.stuck = False, [], False, False
+        self.closed, self.sent, self.aborted, self.stuck, self.gone = False, [], False, False, False
 
     async def send_str(self, text):
+        if self.gone:
+            raise ConnectionResetError("Cannot write to closing transport")
         if self.stuck:
             await asyncio.sleep(3600)
         self.sent.append(text)
@@ -385,6 +387,17 @@ def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges(monkeypatch):
         await asyncio.sleep(0.05)
         assert page.sent[-1] == b"\x00x", "a page that forgot to acknowledge goes on"
         writer.cancel()
+
+    asyncio.run(run())
+
+
+def test_a_page_that_goes_while_it_is_written_to_is_no_error():
+    async def run():
+        page = SlowPage()
+        page.gone = True
+        client = clients.Client(page, "trainee", 1)
+        client.send({"t": "text"})
+        await asyncio.wait_for(client.write(), 5)
 
     asyncio.run(run())
 
