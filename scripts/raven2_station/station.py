@@ -179,7 +179,7 @@ class Station:
     def _refuse_running(self, name):
         """@throw Refused for a session that is being recorded, by this station's trainer or a foreign one."""
         foreign = self.newest.get("session", {}).get("directory", "") if self.is_foreign else ""
-        if name in (self.supervisor.state()["session"], foreign.rstrip("/").rpartition("/")[2] or None):
+        if name and name in (self.supervisor.state()["session"], foreign.rstrip("/").rpartition("/")[2]):
             raise Refused("this session is running")
 
     async def _do_start(self, given, _):

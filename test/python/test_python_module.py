@@ -427,7 +427,6 @@ def test_ctrl_c_ends_a_long_step(tmp_path):
     done = alone("""
 simulation = raven2_trainer.Simulation(robot="none")
 threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
-begun = time.monotonic()
 try:
     simulation.step(ticks=1000000)
 except KeyboardInterrupt:

@@ -214,7 +214,7 @@ press("restart", "restart-exercise");
 press("end-replay", "end-replay");
 byId("emergency-stop").addEventListener("click", async () => {
   const reply = await link.ask("emergency-stop");
-  say({ ok: reply.ok, text: reply.ok ? reply.text || "Stopped." : `The emergency stop is not confirmed: ${reply.text} Use the stop button of the robot.` });
+  say({ ok: reply.ok, text: reply.ok ? reply.text || "Stopped." : `The emergency stop is not confirmed: ${reply.text.replace(/\.?$/, ".")} Use the stop button of the robot.` });
 });
 press("clear-stop", "clear-stop");
 press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
