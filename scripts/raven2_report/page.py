@@ -21,6 +21,13 @@ def title(facts):
     return "Raven-II training session" if facts.training["exercise"] == "none" else str(exercise)
 
 
+def _hazard(facts):
+    """Those that acted, injected ones included; without one, the armed one."""
+    acted = list(dict.fromkeys(words(hazard["name"]) for hazard in facts.hazards))
+    armed = words(facts.header["hazard"])
+    return ", ".join(acted) or (armed if armed == "none" else f"{armed} (did not act)")
+
+
 def subtitle(facts):
     training, header = facts.training, facts.header
     started = facts.meta.get("start_time_utc", "")
@@ -28,7 +35,7 @@ def subtitle(facts):
              f"exercise {words(training['exercise'])}" if training["exercise"] != "none" else "",
              f"drill {words(training['drill'])}" if training["drill"] != "none" else "",
              f"curriculum {words(training['curriculum'])}" if training["curriculum"] != "none" else "",
-             f"session {facts.name}", f"started {started}" if started else "", f"hazard {words(header['hazard'])}",
+             f"session {facts.name}", f"started {started}" if started else "", f"hazard {_hazard(facts)}",
              f"seed {header['seed']}", f"{facts.duration:.1f} s", 
              f"motion {header['motion']}" if header["motion"] else ""]
     return " · ".join(esc(part) for part in parts if part)

@@ -15,7 +15,8 @@ def section(facts, page):
     """HTML; `page`: path of the report, from where the video is linked."""
     video = facts.session.file("video.mp4")
     if video is None:
-        return "<p>There is no video of this session: <code>render_session DIR</code> makes one from the log.</p>"
+        return ("<p>There is no video of this session yet. The station's button <b>Render the video</b> makes one, or "
+                "<code>render_session DIR</code>.</p>")
     moments = facts.moments()
     with concurrent.futures.ThreadPoolExecutor(2) as pool:
         pictures = list(pool.map(lambda moment: take_frame(video, moment["at_s"]), moments))

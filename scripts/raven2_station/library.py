@@ -49,7 +49,7 @@ class Library:
     def describe(self):
         """The choices, for the page."""
         return {"exercises": self.exercises, "hazards": self.hazards, "links": self.links, "curricula": self.curricula,
-                "masters": self.masters}
+                "masters": self.masters, "clumsy": words.CLUMSY}
 
     def exercise(self, name):
         return next((e for e in self.exercises if e["name"] == name), None)

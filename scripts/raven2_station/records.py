@@ -8,6 +8,7 @@ import re
 import shutil
 
 from .curriculum import follow, stages_of
+from .words import is_demonstration
 
 NAME = re.compile(r"[A-Za-z0-9_:-][A-Za-z0-9_.:-]{0,119}")  # of a session directory: no separators, no leading dot
 FILES = {"report.html": "text/html; charset=utf-8", "report.json": "application/json", "video.mp4": "video/mp4",
@@ -26,6 +27,24 @@ def _json(path):
 
 def _dict(value):
     return value if isinstance(value, dict) else {}
+
+
+def _text(value):
+    return value if isinstance(value, str) else ""
+
+
+def _is_number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _is_within(tick, attempt):
+    first, last = attempt.get("first_tick"), attempt.get("last_tick")
+    return _is_number(tick) and (not _is_number(first) or first <= tick) and (not _is_number(last) or tick <= last)
+
+
+def _names(found):
+    """Each once, in order."""
+    return list(dict.fromkeys(name for name in found if isinstance(name, str)))
 
 
 class Records:
@@ -61,9 +80,10 @@ class Records:
         path = self.directory(name)
         report, meta = _dict(_json(path / "report.json")), _dict(_json(path / "meta.json"))
         session, verdict = _dict(report.get("session")), _dict(report.get("verdict"))
+        acted = [h.get("scenario") for h in report.get("hazards") or [] if isinstance(h, dict)]
         return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": session.get("trainee") or "",
-                "exercise": session.get("exercise", ""), "drill": session.get("drill", ""), "passed": verdict.get("passed"),
-                "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
+                "exercise": session.get("exercise", ""), "drill": session.get("drill", ""), "hazards": _names(acted),
+                "driver": _text(meta.get("motion")), "passed": verdict.get("passed"), "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
                 "video": (path / "video.mp4").is_file()}
 
     def verdict(self, name):
@@ -94,23 +114,31 @@ class Records:
             if entry["trainee"] != trainee:
                 continue
             attempts = entry.get("attempts")
-            scores = self._scores(entry.get("directory"))
+            scored, driver = self._scored(entry["directory"])
             for number, attempt in enumerate(map(_dict, attempts if isinstance(attempts, list) else [])):
                 metrics = _dict(attempt.get("metrics"))
+                score, hazards = scored[number] if number < len(scored) else (None, [])
                 found.append({"session": entry.get("directory", ""), "start": entry.get("start_time_utc", ""),
                               "exercise": entry.get("exercise", ""), "drill": entry.get("drill", ""),
                               "status": attempt.get("status"), "passed": attempt.get("passed"), "time": metrics.get("time"),
-                              "response": metrics.get("hazard_response"), "score": scores[number] if number < len(scores) else None})
+                              "response": metrics.get("hazard_response"), "score": score, "hazards": hazards, "driver": driver})
         return sorted(found, key=lambda a: (a["start"], a["session"]))
 
-    def _scores(self, name):
-        """[-] of each attempt of a session: the share of its judged metrics that passed; None where nothing was judged."""
+    def _scored(self, name):
+        """Of a session: (of each attempt the share [-] of its judged metrics that passed, None where nothing was judged, and the
+        hazards that acted; who moved the arms)."""
         try:
-            attempts = _dict(_json(self.directory(name) / "score.json")).get("attempts")
+            path = self.directory(name)
         except KeyError:
-            return []
-        found = [_dict(a).get("composite") for a in (attempts if isinstance(attempts, list) else [])]
-        return [c if isinstance(c, (int, float)) and not isinstance(c, bool) else None for c in found]
+            return [], ""
+        score = _dict(_json(path / "score.json"))
+        hazards = [h for h in score.get("hazards") or [] if isinstance(h, dict)]
+        found = []
+        for attempt in map(_dict, score.get("attempts") or []):
+            share = attempt.get("composite")
+            acted = [h.get("scenario") for h in hazards if _is_within(h.get("injection_tick"), attempt)]
+            found.append((share if _is_number(share) else None, _names(acted)))
+        return found, _text(_dict(_json(path / "meta.json")).get("motion"))
 
     def progress(self, trainee, curriculum):
         """@return as of curriculum.follow()."""
@@ -122,7 +150,8 @@ class Records:
         for trainee in self.trainees():
             history = self.history(trainee)
             stages, current = follow(curriculum, history)
-            rows.append({"trainee": trainee, "sessions": len({a["session"] for a in history}), "current": current,
+            rows.append({"trainee": trainee, "sessions": len({a["session"] for a in history}),
+                         "demonstrations": len({a["session"] for a in history if is_demonstration(a["driver"])}), "current": current,
                          "stages": [stage.describe() for stage in stages], "last": history[-1]["start"] if history else ""})
         return rows
 

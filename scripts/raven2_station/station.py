@@ -147,6 +147,8 @@ class Station:
                     "text": self.supervisor.trouble or {"starting": "The session starts.", "ending": "The session ends."}.get(
                         self.supervisor.phase, "No session: choose and press Start.")}
         level, text = words.health([tuple(s) for s in self.newest.get("diagnostics", {}).get("status", [])])
+        if level < 2 and self.newest.get("mode", {}).get("mode") == "stopped":
+            level, text = 1, words.STOPPED
         return {"level": min(level, 2), "text": text}
 
     # ---- what pages and ROS services ask for
@@ -161,6 +163,8 @@ class Station:
                 raise Refused("expected settings by name")
             if what in TRIGGERS and (client is None or client.role != "trainee"):
                 done, text, more = await self.link.call(TRIGGERS[what], limit=STOP_LIMIT if what == "emergency-stop" else 20.0)
+                if not done and self.supervisor.phase == "idle" and not self.is_foreign:
+                    text = "no session is running"
                 return done, words.answer(what, text), more
             if method is None:
                 raise Refused("unknown request")
@@ -209,8 +213,15 @@ class Station:
         return await self.link.call("inject_hazard", {"name": name})
 
     async def _do_view(self, given, _):
-        done, text, more = await self.link.call("set_view", {"data": given.get("real") is True})
+        real = given.get("real") is True
+        if real and self._camera() in ("silent", "none configured"):
+            raise Refused("no picture comes from a real camera")
+        done, text, more = await self.link.call("set_view", {"data": real})
         return done, words.answer("view", text), more
+
+    def _camera(self):
+        """The trainer's status of its real camera; "" if none has come yet."""
+        return next((text for name, _, text in self.newest.get("diagnostics", {}).get("status", []) if name == "real camera"), "")
 
     async def _do_plan(self, given, _):
         arm = given.get("arm", "")
@@ -233,10 +244,15 @@ class Station:
         return True, "The page has no hands now." if self.hands_away else "A page may drive again.", {}
 
     @property
-    def browser_may_drive(self):
-        """A foreign trainer's console may have the family `browser` (config/masters/browser.yaml); if not, it ignores the page."""
+    def is_hand_device(self):
+        """Whether the console listens to the station: it has the family `browser` (config/masters/browser.yaml). A foreign
+        trainer's console may have it, too; if not, it ignores the page."""
         choice = self.supervisor.choice
         return self.is_foreign or (self.supervisor.is_running and choice is not None and choice.driver == "browser")
+
+    @property
+    def browser_may_drive(self):
+        return self.is_hand_device and not self.supervisor.is_replay
 
     async def _do_drive(self, _, client):
         if not self.browser_may_drive:
@@ -285,12 +301,13 @@ class Station:
         return True, "The video is being rendered.", {}
 
     async def _do_replay(self, given, _):
-        """In the running session; without one, a session in the same scene is started for it, for nobody's history."""
+        """In the running session; without one, the programs are started in the same scene, and no session is kept of that."""
         directory = self.records.directory(given.get("session"))
         self._refuse_running(directory.name)
         if self.supervisor.phase == "idle" and not self.is_foreign:
             exercise = self.records.summary(directory.name)["exercise"]
-            await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"})
+            await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"},
+                                        replay=True)
             until = time.monotonic() + REPLAY_START
             while self.supervisor.is_running and self.newest.get("mode", {}).get("mode") != "pedal_up" and time.monotonic() < until:
                 await asyncio.sleep(0.1)
@@ -368,7 +385,7 @@ class Station:
         if self.is_foreign != self._was_foreign:
             self._was_foreign = self.is_foreign
             self.changed()
-        drives = self.browser_may_drive and (self.supervisor.is_running or self.driving is not None)
+        drives = self.is_hand_device and (self.supervisor.is_running or self.driving is not None)
         if drives and (self._hands_sent is None or now - self._hands_sent >= TICK):
             self._send_hands()
         health = self.health()

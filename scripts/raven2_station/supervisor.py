@@ -10,6 +10,7 @@ import os
 import pathlib
 import random
 import re
+import shutil
 import signal
 import socket
 import sys
@@ -17,7 +18,7 @@ import time
 
 import psutil
 
-from . import library
+from . import library, words
 
 PATIENCE = 8.0      # [s] from SIGTERM to SIGKILL: the daemon writes its last records
 POLL = 0.1          # [s]
@@ -118,10 +119,12 @@ class Supervisor:
         self._known, self._changed, self._progress, self._robot = known, changed, progress, robot
         self._config = pathlib.Path(config) if config else None
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
+        self._replay = self._logs / "replay"
         self._processes = {}
         self._ends = {}          # name -> task with the exit status
         self._closed = False
         self._choice = self._directory = None
+        self._kept_choice = None  # of the newest session that was no replay
         self._lock = asyncio.Lock()
         self._watcher = None
         self.phase = "idle"      # idle, starting, running, ending
@@ -133,7 +136,7 @@ class Supervisor:
 
     def state(self):
         return {"phase": self.phase, "trouble": self.trouble, "session": self._directory and self._directory.name,
-                "choice": self._choice and self._choice.as_dict(), "last": self.last and self.last.name}
+                "replay": self.is_replay, "choice": self._choice and self._choice.as_dict(), "last": self.last and self.last.name}
 
     @property
     def choice(self):
@@ -143,9 +146,14 @@ class Supervisor:
     def is_running(self):
         return self.phase in ("starting", "running")
 
+    @property
+    def is_replay(self):
+        """Whether the programs run only to show a past session. Their own recording is overwritten by the next replay."""
+        return self._directory is not None and self._directory == self._replay
+
     # ---- what pages and services ask for
 
-    async def start(self, given):
+    async def start(self, given, replay=False):
         """@return the session directory. @throw Refused."""
         async with self._lock:
             choice = Choice(self._with_stage(given), self._known)
@@ -156,12 +164,14 @@ class Supervisor:
             self.phase, self.trouble, self._choice = "starting", "", choice
             self._changed()
             try:
+                self._directory = self._empty_replay() if replay else self._new_directory(choice)
                 await self._start(choice)
             except (Refused, OSError, psutil.Error) as error:
                 await self._end_all()
-                self.phase, self._choice, self._directory, self.ended_at = "idle", None, None, time.monotonic()
+                self.phase, self._choice, self._directory, self.ended_at = "idle", self._kept_choice, None, time.monotonic()
                 self._changed()
                 raise Refused(str(error)) from error
+            self._kept_choice = self._kept_choice if replay else choice
             self.phase, self.began_at = "running", time.monotonic()
             self._watch()
             self._changed()
@@ -182,7 +192,7 @@ class Supervisor:
 
     async def next(self):
         """The next attempt with the same settings; of a curriculum, the trainee's stage by then."""
-        choice = self._choice
+        choice = self._kept_choice
         if choice is None:
             raise Refused("no session has been started yet")
         if self.is_running:
@@ -202,7 +212,11 @@ class Supervisor:
             raise Refused(f"{trainee} has done all stages of this curriculum: choose an exercise, or another curriculum")
         return {**given, "exercise": stages[current].exercise, "hazard": stages[current].drill or "none", "when": "own"}
 
-    def _names(self, choice):
+    def _empty_replay(self):
+        shutil.rmtree(self._replay, ignore_errors=True)
+        return self._replay
+
+    def _new_directory(self, choice):
         now = time.strftime("%Y-%m-%dT%H-%M-%SZ", time.gmtime())
         base = f"{now}_{choice.trainee or 'guest'}"
         for number in range(100):
@@ -229,7 +243,6 @@ class Supervisor:
         master, force, sight = (free_port(udp, port, taken) for port in (36010, 36001, 26002))
         robot, state = (36000, 26100) if self._robot else (free_port(udp, 36000, taken), free_port(tcp, 26100, taken))
         ports = self._ports(master, robot, force, sight, state)
-        self._directory = self._names(choice)
         common = self._arguments(choice)
         if not self._robot:
             await self._launch("virtual_raven", ["--homing", "quick", *common, *ports])
@@ -324,14 +337,15 @@ class Supervisor:
         """Whether it is a simulated surgeon who has done the exercise. The exit status of an adopted program is not known."""
         end = self._ends.get(name)
         status = end.result() if end is not None and end.done() else None
-        return name == "master_console" and self._choice.driver.split(":")[0] in ("expert", "clumsy") and status in (0, None)
+        return name == "master_console" and words.is_demonstration(self._choice.driver) and status in (0, None)
 
     async def _finish(self, trouble):
         self.phase, self.trouble = "ending", trouble
         self._changed()
         await self._end_all()
-        if self._directory is not None and (self._directory / "session.rlog").exists():
+        if not self.is_replay and self._directory is not None and (self._directory / "session.rlog").exists():
             self.last = self._directory
+        self._choice = self._kept_choice
         self.phase, self._directory, self.ended_at = "idle", None, time.monotonic()
         self._remember()
         self._changed()
@@ -405,5 +419,6 @@ class Supervisor:
                 self._terminate(process)
             return False
         self._processes, self._directory, self.phase = found, pathlib.Path(content["session"]), "running"
+        self._kept_choice = None if self.is_replay else choice
         self._watch()
         return True

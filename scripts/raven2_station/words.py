@@ -19,6 +19,9 @@ MISTAKES = {"wire_touch": "wire touched", "collision": "collision", "drop": "dro
 
 ANSWERS = {"accepted": "Done.", "no_plan": "There is no plan: press Plan first.",
            "not_now": "Not possible now. Wait until the arms rest and the pedal is up."}
+CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper": "drops things",
+          "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
+STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, only the next attempt helps."
 CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
 
 ADVICE = {
@@ -46,6 +49,11 @@ def _name(value):
 def steps(exercise):
     return [f"{_name(track['name'])}: {_name(step['name'])}" for track in exercise.get("tracks", [])
             for step in track.get("steps", [])]
+
+
+def is_demonstration(driver):
+    """Whether a simulated surgeon moves the arms."""
+    return driver.split(":")[0] in ("expert", "clumsy", "scripted")
 
 
 def mode(name):

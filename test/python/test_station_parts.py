@@ -11,14 +11,17 @@ import shutil
 import signal
 import subprocess
 import sys
+import time
 import types
 
 import psutil
 import pytest
+import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+from raven2_station import station as station_module  # noqa: E402
 
 
 @pytest.fixture(scope="module")
@@ -283,6 +286,32 @@ def test_a_program_that_ends_at_once_is_named_and_the_next_start_is_free(known, 
             assert made.phase == "idle"
 
     asyncio.run(starts())
+
+
+def test_a_replay_is_no_session_and_the_next_attempt_is_of_the_one_before(known, tmp_path):
+    made = supervised(tmp_path, known, PROGRAM)
+    kept = {"trainee": "ann", "exercise": "peg_transfer", "driver": "browser"}
+
+    async def sessions():
+        first = await made.start(kept)
+        await made.end()
+        for _ in range(2):  # the second one takes the place of the first
+            directory = await made.start({"exercise": "camera_clutch", "driver": "browser"}, replay=True)
+            (directory / "left").touch(exist_ok=False)
+            assert made.is_replay and made.state()["replay"]
+            again = supervisor.Supervisor(tmp_path / "programs", tmp_path / "sessions", known, lambda: None, lambda trainee, stages: ([], 0))
+            assert again.adopt() and again.is_replay and again.state()["last"] is None
+            again._watcher.cancel()
+            with pytest.raises(supervisor.Refused, match="no session has been started"):
+                await again.next()
+            await made.end()
+        assert made.last == first and not made.is_replay
+        assert [s["name"] for s in records.Records(tmp_path / "sessions").list()] == [first.name]
+        await made.next()
+        assert {key: made.state()["choice"][key] for key in kept} == kept and not made.is_replay
+        await made.end()
+
+    asyncio.run(sessions())
 
 
 def test_a_session_starts_and_ends_on_a_full_disk(known, tmp_path, capsys):
@@ -620,6 +649,33 @@ def test_the_history_has_score_time_and_response(folder):
     assert [a["score"] for a in records.Records(folder).history("ann")] == [None] * 3
 
 
+def test_sessions_say_which_hazards_acted_and_who_moved_the_arms(folder):
+    name = "2026-01-01T10-00-00Z_ann"
+    report = json.loads((folder / name / "report.json").read_text())
+    report["hazards"] = [{"scenario": "sudden_jump"}, {"scenario": "camera_drift"}, {"scenario": "sudden_jump"}, 3]
+    (folder / name / "report.json").write_text(json.dumps(report))
+    (folder / name / "meta.json").write_text('{"motion": "clumsy:dropper"}')
+    after, before = records.Records(folder).list()
+    assert before["hazards"] == ["sudden_jump", "camera_drift"] and before["driver"] == "clumsy:dropper"
+    assert after["hazards"] == [] and after["driver"] == ""
+
+
+def test_a_history_has_the_hazards_of_each_attempt_and_the_class_its_demonstrations(folder):
+    (folder / "s1").mkdir()
+    (folder / "s1" / "session.rlog").write_bytes(b"x")
+    (folder / "s1" / "meta.json").write_text('{"motion": "expert"}')
+    (folder / "s1" / "score.json").write_text(json.dumps({
+        "attempts": [{"first_tick": 0, "last_tick": 4999}, {"first_tick": 5000, "last_tick": None}],
+        "hazards": [{"scenario": "sudden_jump", "injection_tick": 4999}, {"scenario": "camera_drift", "injection_tick": 9000}, {}]}))
+    index = json.loads((folder / "index.json").read_text())
+    index["sessions"][1]["attempts"] *= 2
+    (folder / "index.json").write_text(json.dumps(index))
+    store = records.Records(folder)
+    of_s1 = [a for a in store.history("ann") if a["session"] == "s1"]
+    assert [(a["hazards"], a["driver"]) for a in of_s1] == [(["sudden_jump"], "expert"), (["camera_drift"], "expert")]
+    assert [r["demonstrations"] for r in store.the_class(STAGES)] == [1, 0]
+
+
 def test_deleting_takes_the_whole_directory_and_nothing_else(folder):
     store = records.Records(folder)
     store.delete("2026-01-01T10-00-00Z_ann")
@@ -724,11 +780,41 @@ def test_tips_are_compared_over_the_chain_of_frames():
     assert tree.origin("loop") is None
 
 
+@pytest.mark.parametrize("said, asked", [("silent", False), ("none configured", False), ("heard", True), (None, True)])
+def test_the_real_camera_is_shown_only_if_pictures_come(said, asked):
+    calls = []
+
+    async def call(service, arguments, limit=0):
+        calls.append((service, arguments))
+        return True, "accepted", {}
+
+    station = station_module.Station(None, None)
+    station.link = types.SimpleNamespace(call=call)
+    if said:
+        station.newest["diagnostics"] = {"status": [["robot", 0, "fine"], ["real camera", 0, said]]}
+    assert asyncio.run(station.do("view", {"real": True}))[0] is asked
+    assert asyncio.run(station.do("view", {"real": False}))[0]
+    assert calls == [("set_view", {"data": True})] * asked + [("set_view", {"data": False})]
+
+
+def test_a_stop_is_named_beside_the_mode():
+    station = station_module.Station(None, None)
+    station.link = types.SimpleNamespace(is_taken=False, is_up=True)
+    station.supervisor = types.SimpleNamespace(phase="running", is_running=True, ended_at=0.0, trouble="")
+    station._daemon_heard = time.monotonic()
+    for mode, level, status in (("teleoperating", 0, 0), ("stopped", 1, 0), ("stopped", 1, 1), ("stopped", 2, 2)):
+        station.newest = {"mode": {"mode": mode}, "diagnostics": {"status": [["recorder", status, "disk full"]]}}
+        assert station.health()["level"] == level
+        assert ("Clear the stop" in station.health()["text"]) == (level == 1)
+
+
 def test_health_names_the_worst_and_a_remedy():
     assert words.health([("robot", 0, "fine"), ("recorder", 0, "")]) == (0, "Everything works.")
     level, text = words.health([("robot", 1, "late"), ("recorder", 2, "disk full")])
     assert level == 2 and text.startswith("Recorder: disk full") and "disk space" in text
     assert words.health([])[0] == 2
+    clumsy = {name for path in (ROOT / "config/exercises").glob("*.yaml") for name in yaml.safe_load(path.read_text()).get("clumsy", {})}
+    assert clumsy == set(words.CLUMSY), "each clumsy surgeon in words"
     header = (ROOT / "include/raven2_trainer/core/mode.h").read_text()
     names = header.split("kModeNames{")[1].split("}")[0].replace('"', "").replace("\n", "").split(",")
     assert {n.strip() for n in names} == set(words.MODES)

@@ -75,7 +75,7 @@ export function drawCurve(canvas, attempts) {
   const { width, height } = canvas;
   const values = attempts.map((a) => a.time).filter((t) => typeof t === "number");
   const top = Math.max(10, Math.ceil(Math.max(0, ...values)));
-  axes(context, width, height, top, "s", "Time (circles; filled: passed), score (squares, 0 to 100 %), hazard response (triangles, 0 to 5 s)");
+  axes(context, width, height, top, "s", "Time");
   const x = (i) => 24 + (i + 0.5) * ((width - 48) / Math.max(attempts.length, 1));
   attempts.forEach((attempt, i) => {
     context.strokeStyle = "#0b5cad";

@@ -5,7 +5,7 @@ import { drawCurve, Strip } from "/static/charts.js";
 
 const pictures = { view: new Picture(byId("picture")), camera: new Picture(byId("camera")) };
 const strips = {
-  apart: new Strip(byId("strip-error"), "Tips apart", "mm", 5, 3),
+  apart: new Strip(byId("strip-error"), "Distance, robot to model", "mm", 5, 3),
   force: new Strip(byId("strip-force"), "Force on the hands", "N", 2),
 };
 let library = null;
@@ -61,7 +61,8 @@ function showStation(message) {
   const own = message.phase === "running";
   const runs = own || message.foreign;
   byId("start").disabled = message.phase !== "idle" || message.foreign;
-  byId("next").disabled = !message.choice || message.foreign || message.phase === "starting" || message.phase === "ending";
+  byId("next").disabled = !message.choice || message.replay || message.foreign || message.phase === "starting" || message.phase === "ending";
+  byId("next").textContent = own && !message.replay ? "Stop and next attempt" : "Next attempt";
   byId("stop").disabled = !own;
   for (const id of ["pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
   byId("take-hands").setAttribute("aria-pressed", message.hands_away);
@@ -76,9 +77,10 @@ function showStation(message) {
     showStage();
   }
   const whose = message.choice ? message.choice.trainee || "guest" : "";
-  byId("act-title").textContent = runs && whose ? `Session of ${whose}: ${exerciseOf(message.choice.exercise).title}` : "Session";
-  if (runs && message.choice && !before.choice) setUpAs(message.choice);
+  byId("act-title").textContent = message.replay ? "Replay" : runs && whose ? `Session of ${whose}: ${exerciseOf(message.choice.exercise).title}` : "Session";
+  if (runs && message.choice && !before.choice && !message.replay) setUpAs(message.choice);
   showArmed();
+  showNext();
   if (message.last && (message.last !== before.last || shown === "")) showVerdict(message.last);
 }
 
@@ -89,6 +91,14 @@ function showArmed() {
   const hazard = library && library.hazards.find((h) => h.name === name);
   byId("armed").textContent = hazard ? `${hazard.title}. ${choice.when === "own" ? "It comes by itself." : "It comes when you press Inject."}`
     : "No hazard chosen: Inject uses the one in Set up.";
+}
+
+function showNext() {
+  const choice = station.choice;
+  const hazard = choice && choice.hazard !== "none" ? `, hazard ${choice.hazard === "own" ? "of the exercise" : plain(choice.hazard)}` : "";
+  byId("next-help").textContent = !choice || station.replay ? "" : choice.curriculum
+    ? `Next attempt: ${choice.trainee || "guest"}, ${plain(choice.curriculum)}, the stage by then.`
+    : `Next attempt: ${choice.trainee || "guest"}, ${choice.exercise === "none" ? "free session" : plain(choice.exercise)}${hazard}, as last time.`;
 }
 
 function showStrips(message) {
@@ -109,34 +119,59 @@ setInterval(() => {
 
 // ---- set up
 
-const SEVERITY = { high: "severe", medium: "moderate", low: "light", none: "no harm expected" };
+const SEVERITY = { high: "Severe", medium: "Moderate", low: "Light", none: "No harm expected" };
+const plain = (name) => (name || "").replaceAll("_", " ");
+const DRIVERS = { browser: "mouse, keyboard or gamepad", expert: "demonstration: expert surgeon", scripted: "demonstration: scripted motion" };
+const clumsy = (name) => library.clumsy[name] || plain(name);
+
+function driverText(driver) {
+  if (driver.startsWith("clumsy:")) return `demonstration: surgeon who ${clumsy(driver.slice(7))}`;
+  return DRIVERS[driver] || plain(driver.replace("master:", ""));
+}
 
 function showLibrary() {
   fill(byId("trainees"), library.trainees.map((t) => option(t, t)), false);
   fill(byId("history-trainee"), library.trainees.map((t) => option(t, t)));
   fill(byId("curriculum"), [option("", "none: choose the exercise"), ...library.curricula.map((c) => option(c.name, c.title))]);
   fill(byId("exercise"), [option("none", "free session"), ...library.exercises.map((e) => option(e.name, e.title))]);
-  fill(byId("link"), library.links.map((l) => option(l.name, l.name === "none" ? "good link" : `${l.name}: ${l.title}`)));
+  fill(byId("link"), library.links.map((l) => option(l.name, l.name === "none" ? "good link" : plain(l.name))));
   showChoices();
+}
+
+function hazardGroups() {
+  return Object.entries(SEVERITY).map(([severity, title]) => {
+    const group = document.createElement("optgroup");
+    group.label = title;
+    group.append(...library.hazards.filter((h) => h.severity === severity).map((h) => option(h.name, h.title)));
+    return group;
+  }).filter((group) => group.children.length);
+}
+
+function driverHelp(driver) {
+  if (driver === "browser") return "Open /trainee in another window and press Take the hands.";
+  if (!driver.startsWith("master:")) return "A simulated surgeon moves the arms. With a trainee's ID, the attempt counts for the trainee.";
+  return `${library.masters.find((m) => m.name === driver.slice(7)).title}. The device's driver must run.`;
 }
 
 function showChoices() {
   const exercise = library.exercises.find((e) => e.name === byId("exercise").value);
   const hazards = [option("none", "none")];
-  if (exercise && exercise.drill) hazards.push(option("own", `the exercise's own: ${exercise.drill}`));
-  fill(byId("hazard"), [...hazards, ...library.hazards.map((h) => option(h.name, `${h.title} (${SEVERITY[h.severity]})`))]);
-  const drivers = [option("browser", "mouse, keyboard or gamepad (page /trainee)")];
-  if (exercise && exercise.expert) drivers.push(option("expert", "demonstration: expert surgeon"));
-  for (const name of exercise ? exercise.clumsy : []) drivers.push(option(`clumsy:${name}`, `demonstration: clumsy surgeon (${name})`));
-  if (!exercise) drivers.push(option("scripted", "demonstration: scripted motion"));
-  fill(byId("driver"), [...drivers, ...library.masters.map((m) => option(`master:${m.name}`, `${m.name}: ${m.title}`))]);
+  if (exercise && exercise.drill) hazards.push(option("own", `the exercise's own: ${plain(exercise.drill)}`));
+  fill(byId("hazard"), [...hazards, ...hazardGroups()]);
+  const drivers = ["browser"];
+  if (exercise && exercise.expert) drivers.push("expert");
+  if (exercise) drivers.push(...exercise.clumsy.map((name) => `clumsy:${name}`));
+  if (!exercise) drivers.push("scripted");
+  fill(byId("driver"), [...drivers, ...library.masters.map((m) => `master:${m.name}`)].map((d) => option(d, driverText(d))));
   byId("exercise-help").textContent = exercise ? `${exercise.title}. Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
     : "The arms move freely; nothing is scored.";
   const name = byId("hazard").value === "own" && exercise ? exercise.drill : byId("hazard").value;
   const hazard = library.hazards.find((h) => h.name === name);
   byId("hazard-help").textContent = hazard ? `${hazard.expected} Right response: ${hazard.response}` : "Nothing goes wrong.";
-  byId("driver-help").textContent = byId("driver").value === "browser" ? "Open /trainee in another window and press Take the hands."
-    : byId("driver").value.startsWith("master:") ? "The device's driver must run." : "A simulated surgeon moves the arms.";
+  byId("driver-help").textContent = driverHelp(byId("driver").value);
+  const linkName = byId("link").value;
+  byId("link-help").textContent = linkName === "none" ? "A bad link delays or loses motion between console and trainer."
+    : `Between console and trainer: ${library.links.find((l) => l.name === linkName).title}.`;
   for (const id of ["exercise", "hazard", "when"]) byId(id).disabled = byId("curriculum").value !== "";
 }
 
@@ -165,7 +200,7 @@ async function showStage() {
 }
 
 for (const id of ["curriculum", "trainee"]) byId(id).addEventListener("change", showStage);
-for (const id of ["exercise", "hazard", "driver"]) byId(id).addEventListener("change", showChoices);
+for (const id of ["exercise", "hazard", "driver", "link"]) byId(id).addEventListener("change", showChoices);
 
 // A page that is opened again shows the session that runs.
 function setUpAs(choice) {
@@ -175,6 +210,7 @@ function setUpAs(choice) {
   byId("exercise").value = choice.exercise;
   showChoices();
   for (const id of ["hazard", "when", "driver", "link"]) byId(id).value = choice[id];
+  showChoices();
   showStage();
 }
 
@@ -334,6 +370,12 @@ function when(utc) {
   return Number.isNaN(time.getTime()) ? "" : time.toLocaleString("sv-SE", { dateStyle: "short", timeStyle: "short" });
 }
 
+// The hazards that acted; else the drill that did not come.
+function hazardsOf(session) {
+  if (session.hazards.length) return session.hazards.map(plain).join(", ");
+  return session.drill && session.drill !== "none" ? `${plain(session.drill)} (did not act)` : "none";
+}
+
 const passed = (value) => (value === true ? "passed" : value === false ? "not passed" : "not judged");
 const number = (value, unit) => (typeof value === "number" ? `${value.toFixed(1)} ${unit}` : "");
 
@@ -345,8 +387,8 @@ async function showHistory() {
   const reply = trainee ? await link.ask("history", { trainee }) : { ok: false };
   const attempts = reply.ok ? reply.more.attempts : [];
   drawCurve(byId("curve"), attempts);
-  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "result", "score", "time", "hazard response"], "th"),
-    ...attempts.map((a) => row([when(a.start), a.exercise, a.drill, passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
+  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "moved by", "result", "score", "time", "hazard response"], "th"),
+    ...attempts.map((a) => row([when(a.start), plain(a.exercise), hazardsOf(a), driverText(a.driver), passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
       number(a.response, "s")])));
 }
 
@@ -364,7 +406,7 @@ async function showClass() {
   const reply = await link.ask("class", { curriculum });
   if (!reply.ok) return;
   byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles, "last session"], "th"),
-    ...reply.more.rows.map((r) => row([r.trainee, String(r.sessions),
+    ...reply.more.rows.map((r) => row([r.trainee, r.demonstrations ? `${r.sessions} (${r.demonstrations} demonstrated)` : String(r.sessions),
       ...r.stages.map(stageCell),
       when(r.last)])));
 }
@@ -391,23 +433,28 @@ function action(text, run, name) {
 async function showSessions() {
   const reply = await link.ask("sessions");
   if (!reply.ok) return;
-  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "result", "length", "files", ""], "th"));
+  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "moved by", "result", "length"], "th"));
   addSessions(reply.more);
 }
 
 function addSessions({ sessions, count }) {
   const table = byId("session-table");
-  table.append(...sessions.map((s) => {
+  table.append(...sessions.flatMap((s) => {
       const files = document.createElement("span");
       files.className = "buttons";
       files.append(s.report ? anchor("Report", `/sessions/${s.name}/report.html`) : action("Write report", async () => say(await link.ask("report", { session: s.name })), "write-report"));
       files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", async () => say(await link.ask("video", { session: s.name })), "render-video"));
       files.append(action("Replay", async () => say(await link.ask("replay", { session: s.name })), "replay"));
       files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
-      return row([s.name, s.trainee, s.exercise, s.drill, passed(s.passed), number(s.duration, "s"), files,
-        action("Delete", () => askToDelete(s.name), "delete")]);
+      files.append(action("Delete", () => askToDelete(s.name), "delete"));
+      const what = row([s.name, s.trainee, s.exercise === "none" ? "free session" : plain(s.exercise), hazardsOf(s), driverText(s.driver), passed(s.passed),
+        number(s.duration, "s")]);
+      what.className = "what";
+      const how = row([files]);
+      how.cells[0].colSpan = what.cells.length;
+      return [what, how];
   }));
-  const listed = table.rows.length - 1;
+  const listed = table.querySelectorAll(".what").length;
   if (listed >= count) return;
   const more = row([action(`Show older sessions (${count - listed})`, async () => {
     const reply = await link.ask("sessions", { skip: listed });

@@ -58,7 +58,7 @@ function showStation(message) {
   if (drives && !isMine) release();
   drives = isMine;
   hands.isActive = drives;
-  const may = message.foreign || (message.choice && message.choice.driver === "browser" && message.phase === "running");
+  const may = message.foreign || (!message.replay && message.choice && message.choice.driver === "browser" && message.phase === "running");
   byId("drive").disabled = !may && !drives;
   byId("drive").textContent = drives ? "Give the hands back" : "Take the hands";
   if (message.phase !== "running" && !message.foreign) {
