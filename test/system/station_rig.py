@@ -3,15 +3,29 @@
 import asyncio
 import json
 import os
+import pathlib
 import signal
 import subprocess
+import sys
 import tempfile
 
 import aiohttp
 from ros_master import RosMaster
 from stack import BUILD, ROOT, free_ports, wait_until
 
+sys.path.insert(0, os.path.join(ROOT, "scripts"))
+import raven2_lockstep  # noqa: E402
+
 STATION = os.path.join(ROOT, "scripts/raven2_station/station")
+
+
+def small_pictures(folder):
+    """The package's configuration with live pictures of a quarter of the size, half as often: what a page does with them does
+    not depend on that. @return its root file."""
+    root = raven2_lockstep.copy_of_configuration(pathlib.Path(folder))
+    for key, value in (("width", 320), ("height", 180), ("fps", 15)):
+        raven2_lockstep.replace(root.parent / "render.yaml", rf"(?s)(\nlive:\n.*?  {key}:) \d+", rf"\1 {value}")
+    return str(root)
 
 
 class Station:
@@ -80,6 +94,26 @@ class Station:
             os.kill(pid, signal.SIGKILL)
         self.master.kill()
         self._folder.cleanup()
+
+
+async def start(page, **choice):
+    """A session, by an instructor's page."""
+    answer = await page.ask("start", **choice)
+    assert answer["ok"], answer
+    await page.until(lambda: page.phase() == "running", 5, "the session runs")
+
+
+async def stop(page):
+    answer = await page.ask("stop")
+    assert answer["ok"], answer
+    await page.until(lambda: page.phase() == "idle", 20, "the session has ended")
+
+
+async def end_session(station):
+    async with Page(station.url) as page:
+        await page.until(lambda: page.phase() is not None, 5, "the station says its phase")
+        if page.phase() == "running":
+            await stop(page)
 
 
 class Page:

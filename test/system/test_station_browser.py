@@ -1,5 +1,6 @@
 """The station's pages in a real Chromium, with real mouse and key events (doc/station.md: data-test names)."""
 
+import asyncio
 import os
 import shutil
 import signal
@@ -13,7 +14,7 @@ import time
 import numpy as np
 import pytest
 from stack import BUILD, ROOT, wait_until
-from station_rig import Station
+from station_rig import Page, start, stop
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -36,7 +37,7 @@ SEEN = "const e = document.querySelector(arguments[0]); return e.checkVisibility
 
 
 class Browser:
-    """One window of Chromium. Finds elements by their data-test names."""
+    """Chromium. Finds elements of the page by their data-test names."""
 
     def __init__(self, url):
         self._profile = tempfile.TemporaryDirectory(prefix="raven2_chromium_")
@@ -48,6 +49,21 @@ class Browser:
         self.driver = webdriver.Chrome(service=Service(DRIVER), options=options)
         self.driver.set_window_size(1280, 1000)
         self.url = url
+
+    def begin(self):
+        """A window as of a new user; no other one stays."""
+        ActionChains(self.driver).reset_actions()
+        old = self.driver.window_handles
+        self.driver.switch_to.new_window("window")
+        new = self.driver.current_window_handle
+        for handle in old:
+            self.driver.switch_to.window(handle)
+            self.driver.close()
+        self.driver.switch_to.window(new)
+        self.driver.set_window_size(1280, 1000)
+        self.driver.get(self.url + "/static/icon.svg")
+        self.driver.execute_script("localStorage.clear()")
+        self.errors()
 
     def open(self, path="/"):
         self.driver.get(self.url + path)
@@ -89,22 +105,17 @@ class Browser:
 
 
 @pytest.fixture(scope="module")
-def station():
-    with Station() as started:
-        yield started
+def chromium(station):
+    started = Browser(station.url)
+    yield started
+    started.close()
 
 
 @pytest.fixture
-def browser(station):
-    window = Browser(station.url)
-    yield window
-    wrong = window.errors()
-    if station.programs():  # a failed test's session must not be the next test's
-        window.open()
-        if window.text("mode") != "No session":
-            end(window)
-    window.close()
-    assert wrong == []
+def browser(chromium):
+    chromium.begin()
+    yield chromium
+    assert chromium.errors() == []
 
 
 def end(browser):
@@ -128,8 +139,8 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
         emergency_stop()
         browser.until(lambda: browser.text("mode").startswith("STOPPED"), 2, "stopped")
         end(browser)
-        browser.until(lambda: browser.text("verdict").startswith("Not"), 60, "the verdict")
-        assert browser["report"].get_attribute("href").endswith("/report.html")
+    browser.until(lambda: browser.text("verdict").startswith("Not"), 60, "the verdict")
+    assert browser["report"].get_attribute("href").endswith("_bea/report.html")
     browser.click("tab-class")
     browser.until(lambda: "bea" in browser.text("class-table"), 5, "the class")
     rows = browser.text("class-table").splitlines()
@@ -142,11 +153,46 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
     assert len([n for n in os.listdir(station.sessions) if n.endswith(("_ann", "_bea"))]) == 2
 
 
-def tip(station, arm="arm1"):
-    """Position [m] of an arm's tip in the world, from the daemon's topic."""
-    text = station.master.run("rostopic", "echo", "-n", "1", "-p", f"/{arm}/measured_cp", seconds=20).stdout.splitlines()
-    values = dict(zip(text[0].split(","), text[1].split(",")))
-    return [float(values[f"field.pose.position.{axis}"]) for axis in "xyz"]
+# Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
+TIP = """
+import sys
+import time
+
+import rospy
+from geometry_msgs.msg import PoseStamped
+newest = []
+rospy.init_node("tip", anonymous=True, disable_signals=True)
+rospy.Subscriber(sys.argv[1] + "/measured_cp", PoseStamped, lambda m: newest.__setitem__(slice(None), [m.pose]), queue_size=1)
+while True:
+    time.sleep(0.05)
+    if newest:
+        p, q = newest[0].position, newest[0].orientation
+        print(p.x, p.y, p.z, q.x, q.y, q.z, q.w, flush=True)
+"""
+
+
+class Tip:
+    """The published pose of an arm's tip in the world: position [m] and rotation matrix. Use as a context manager."""
+
+    def __init__(self, master, arm="arm1"):
+        self._process = master.popen(sys.executable, "-c", TIP, f"/{arm}", stdout=subprocess.PIPE)
+        self.line = self._process.stdout.readline()
+        threading.Thread(target=self._read, daemon=True).start()
+
+    def _read(self):
+        for line in self._process.stdout:
+            self.line = line
+
+    def pose(self):
+        values = [float(value) for value in self.line.split()]
+        return np.array(values[:3]), rotation_of(values[3:])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._process.kill()
+        self._process.wait()
 
 
 def press_pedal(browser):
@@ -163,84 +209,93 @@ def is_refused(browser):
     return browser["pedal"].get_attribute("data-down") == "refused"
 
 
-def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(station, browser):
-    browser.open()
-    browser.choose(exercise="pick_hand_over_place", hazard="none", driver="browser", trainee="")
-    browser.click("start")
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
-    driver = browser.driver
-    driver.switch_to.new_window("window")
-    browser.open("/trainee")
-    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
-    browser.click("drive")
-    browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
-    picture = driver.find_element(By.ID, "screen")
-    ActionChains(driver).move_to_element(picture).click().perform()
-    browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
-    time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
-    for _ in range(3):  # again if a busy machine delayed the console until the pedal came up
-        press_pedal(browser)
-        before = tip(station)
-        for _ in range(30):
-            ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
-        time.sleep(1.0)
-        if not is_refused(browser):
-            break
-    after = tip(station)
-    moved = [1e3 * (a - b) for a, b in zip(after, before)]
-    assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
-    if not browser.text("mode").startswith("The hands move"):  # the pedal must count when the stall begins
-        press_pedal(browser)
-    driver.execute_script("const end = performance.now() + 400; while (performance.now() < end);")
-    browser.until(lambda: browser.text("mode").startswith("The hands move"), 3, "a page that stalled goes on")
-    console = station.programs()["master_console"]
-    os.kill(console, signal.SIGSTOP)
-    time.sleep(0.5)
-    os.kill(console, signal.SIGCONT)
-    browser.until(lambda: is_refused(browser), 3, "the page asks for another press")
-    assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
-    press_pedal(browser)
-    driver.switch_to.new_window("tab")  # hides the page
-    driver.switch_to.window(driver.window_handles[0])
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
-    end(browser)
-
-
-# Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
-TIP = """
-import time
-import rospy
-from geometry_msgs.msg import PoseStamped
-newest = []
-rospy.init_node("tip", anonymous=True, disable_signals=True)
-rospy.Subscriber("/arm1/measured_cp", PoseStamped, lambda m: newest.__setitem__(slice(None), [m.pose]), queue_size=1)
-while True:
-    time.sleep(0.05)
-    if newest:
-        p, q = newest[0].position, newest[0].orientation
-        print(p.x, p.y, p.z, q.x, q.y, q.z, q.w, flush=True)
+PAD = """
+const buttons = Array.from({length: 17}, () => ({pressed: false, value: 0}));
+window.pad = {connected: true, id: "test pad", axes: [0, 0, 0, 0], buttons};
+navigator.getGamepads = () => [window.pad];
 """
 
 
-class Tip:
-    """The published pose of the gold arm's tip in the world: position [m] and rotation matrix."""
+class TestHandsOfAPage:
+    """In one session, which is not watched by an instructor's page but where the test opens one."""
 
-    def __init__(self, master):
-        self._process = master.popen(sys.executable, "-c", TIP, stdout=subprocess.PIPE)
-        self.line = self._process.stdout.readline()
-        threading.Thread(target=self._read, daemon=True).start()
+    @pytest.fixture(scope="class", autouse=True)
+    def session(self, station):
+        async def until_it_is_ready():
+            async with Page(station.url) as page:
+                await start(page, exercise="pick_hand_over_place", driver="browser")
+                await page.until(lambda: page.mode() == "pedal_up", 25, "the robot is ready")
 
-    def _read(self):
-        for line in self._process.stdout:
-            self.line = line
+        async def to_its_end():
+            async with Page(station.url) as page:
+                await stop(page)
 
-    def pose(self):
-        values = [float(value) for value in self.line.split()]
-        return np.array(values[:3]), rotation_of(values[3:])
+        asyncio.run(until_it_is_ready())
+        yield
+        asyncio.run(to_its_end())
 
-    def close(self):
-        self._process.kill()
-        self._process.wait()
+    @pytest.fixture(scope="class")
+    def tips(self, station, session):
+        with Tip(station.master, "arm1") as gold, Tip(station.master, "arm2") as green:
+            yield gold, green
+
+    def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(self, station, browser, tips):
+        tip = tips[0]
+        driver = browser.driver
+        browser.open()
+        driver.switch_to.new_window("window")
+        browser.open("/trainee")
+        browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+        browser.click("drive")
+        browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
+        picture = driver.find_element(By.ID, "screen")
+        ActionChains(driver).move_to_element(picture).click().perform()
+        browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
+        time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
+        for _ in range(3):  # again if a busy machine delayed the console until the pedal came up
+            press_pedal(browser)
+            before = tip.pose()[0]
+            for _ in range(30):
+                ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
+            time.sleep(1.0)
+            if not is_refused(browser):
+                break
+        moved = 1e3 * (tip.pose()[0] - before)
+        assert moved[1] < -5.0 and abs(moved[0]) < 3.0 and abs(moved[2]) < 3.0, f"right is -y of the world: {moved} mm"
+        if not browser.text("mode").startswith("The hands move"):  # the pedal must count when the stall begins
+            press_pedal(browser)
+        driver.execute_script("const end = performance.now() + 400; while (performance.now() < end);")
+        browser.until(lambda: browser.text("mode").startswith("The hands move"), 3, "a page that stalled goes on")
+        console = station.programs()["master_console"]
+        os.kill(console, signal.SIGSTOP)
+        time.sleep(0.5)
+        os.kill(console, signal.SIGCONT)
+        browser.until(lambda: is_refused(browser), 3, "the page asks for another press")
+        assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
+        press_pedal(browser)
+        driver.switch_to.new_window("tab")  # hides the page
+        driver.switch_to.window(driver.window_handles[0])
+        browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+
+    def test_a_gamepad_moves_both_arms(self, browser, tips):
+        browser.open("/trainee")
+        browser.driver.execute_script(PAD)
+        browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+        browser.click("drive")
+        time.sleep(0.4)  # the console watches a device for 0.2 s before its pedal counts
+        for _ in range(3):  # as a person does, presses again if the page asks for it: a busy machine stalled the page
+            before = [tip.pose()[0] for tip in tips]
+            browser.driver.execute_script("pad.buttons[4].pressed = true")
+            browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the shoulder button is the pedal")
+            browser.driver.execute_script("pad.axes = [0.6, 0, -0.6, 0]")
+            time.sleep(1.0)
+            was_refused = is_refused(browser)
+            browser.driver.execute_script("pad.axes = [0, 0, 0, 0]; pad.buttons[4].pressed = false")
+            browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "the pedal is up")
+            if not was_refused:
+                break
+        gold, green = (1e3 * (tip.pose()[0] - old) for tip, old in zip(tips, before))
+        assert gold[1] < -5.0 and green[1] > 5.0, f"gold right, green left: {gold}, {green} mm"
 
 
 def rotation_of(q):
@@ -333,9 +388,7 @@ def test_a_mouse_lifts_the_ring(station, browser):
     ActionChains(driver).move_to_element(driver.find_element(By.ID, "screen")).click().perform()
     browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
     mouse = Mouse(driver, (box["width"] / 2, box["height"] / 2))
-    tip = Tip(station.master)
-    try:
-        browser.until(lambda: tip.line, 5, "the tip is published")
+    with Tip(station.master) as tip:
         origin, orientation = tip.pose()
         time.sleep(0.3)
         press_pedal(browser)
@@ -346,8 +399,6 @@ def test_a_mouse_lifts_the_ring(station, browser):
                 time.sleep(1.0)  # the jaws close
             assert steer(browser, mouse, tip, goal_p, goal_R, 20) or number == 2, f"waypoint {number}: {goal_p - tip.pose()[0]}"
         browser.until(lambda: driver.find_elements(By.CSS_SELECTOR, "#steps li.done"), 5, "the ring is lifted")
-    finally:
-        tip.close()
     driver.switch_to.window(driver.window_handles[0])
     browser.open()
     end(browser)
@@ -402,41 +453,6 @@ def test_pages_keep_the_rules_of_axe(browser, axe, path):
     browser.driver.execute_script(axe + "; window.axe = axe;")
     found = browser.driver.execute_async_script("const done = arguments[arguments.length - 1]; axe.run(document).then((r) => done(r.violations));")
     assert [(each["id"], each["help"], each["nodes"][0]["html"]) for each in found] == []
-
-
-PAD = """
-const buttons = Array.from({length: 17}, () => ({pressed: false, value: 0}));
-window.pad = {connected: true, id: "test pad", axes: [0, 0, 0, 0], buttons};
-navigator.getGamepads = () => [window.pad];
-"""
-
-
-def test_a_gamepad_moves_both_arms(station, browser):
-    browser.open()
-    browser.choose(exercise="none", hazard="none", driver="browser", trainee="")
-    browser.click("start")
-    browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
-    browser.driver.switch_to.new_window("window")
-    browser.open("/trainee")
-    browser.driver.execute_script(PAD)
-    browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
-    browser.click("drive")
-    time.sleep(0.4)  # the console watches a device for 0.2 s before its pedal counts
-    for _ in range(3):  # as a person does, presses again if the page asks for it: a busy machine stalled the page
-        before = [tip(station, arm) for arm in ("arm1", "arm2")]
-        browser.driver.execute_script("pad.buttons[4].pressed = true")
-        browser.until(lambda: browser.text("mode").startswith("The hands move"), 5, "the shoulder button is the pedal")
-        browser.driver.execute_script("pad.axes = [0.6, 0, -0.6, 0]")
-        time.sleep(1.0)
-        was_refused = is_refused(browser)
-        browser.driver.execute_script("pad.axes = [0, 0, 0, 0]; pad.buttons[4].pressed = false")
-        browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "the pedal is up")
-        if not was_refused:
-            break
-    gold, green = ([1e3 * (a - b) for a, b in zip(tip(station, arm), old)] for arm, old in zip(("arm1", "arm2"), before))
-    assert gold[1] < -5.0 and green[1] > 5.0, f"gold right, green left: {gold}, {green} mm"
-    browser.driver.switch_to.window(browser.driver.window_handles[0])
-    end(browser)
 
 
 def test_the_keyboard_alone_is_enough(browser):
