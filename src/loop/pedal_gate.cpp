@@ -9,12 +9,12 @@ RequestKind planningPressed(Mode mode) noexcept {
 }
 
 RequestKind simulationPressed(Mode mode) noexcept {
-  const bool is_begun = mode == Mode::kSimulating || mode == Mode::kSimulationHeld;
+  const bool is_begun = traitsOf(mode).practice == Practice::kSimulation;
   return is_begun ? RequestKind::kEndSimulation : RequestKind::kBeginSimulation;
 }
 
 RequestKind trialPressed(Mode mode) noexcept {
-  const bool is_begun = mode == Mode::kTrial || mode == Mode::kTrialHeld;
+  const bool is_begun = traitsOf(mode).practice == Practice::kTrial;
   return is_begun ? RequestKind::kEndTrial : RequestKind::kBeginTrial;
 }
 

@@ -164,11 +164,9 @@ PlanningAnswer PhysicsLoop::Parts::serve(const Request& request) noexcept {
   }
 }
 
-/** Not while anything moves: what the jaws hold would be gone from between them. */
 PlanningAnswer PhysicsLoop::Parts::restartExercise() noexcept {
-  const Mode mode = stage.mode();
-  const bool rests = mode == Mode::kWaiting || mode == Mode::kPedalUp || mode == Mode::kSimulationHeld;
-  if (!exercise.hasExercise() || !rests || !stage.pedal.isUp()) return PlanningAnswer::kNotNow;
+  const bool may_restart = traitsOf(stage.mode()).may_restart && stage.pedal.isUp();
+  if (!exercise.hasExercise() || !may_restart) return PlanningAnswer::kNotNow;
   exercise.restart();
   return PlanningAnswer::kAccepted;
 }

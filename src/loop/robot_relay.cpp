@@ -42,9 +42,9 @@ void RobotRelay::send(const RelayPacket& packet) noexcept {
 }
 
 const PerArm<JointArray>& RobotRelay::setPoints() noexcept {
-  const Mode mode = stage_.mode();
-  const bool follows = mode == Mode::kPedalUp || mode == Mode::kWaiting || mode == Mode::kTeleoperating;
-  const bool is_models = stage_.robot.isLinked() || !stage_.robot.wasHeard() || follows;
+  const ModeTraits traits = traitsOf(stage_.mode());
+  const bool is_common = traits.follows_robot || traits.moves == Moves::kBoth;
+  const bool is_models = stage_.robot.isLinked() || !stage_.robot.wasHeard() || is_common;
   if (is_models) q_d_ = stage_.arms.wanted();
   if (is_models || !stage_.robot.isFresh()) return q_d_;
   for (const Arm arm : kArms) {

@@ -291,7 +291,7 @@ int Simulation::start(int limit) {
   for (int ticks = 0; ticks < limit; ++ticks) {
     const bool may_move = source_ == nullptr || source_->mayMove();
     const ModelState& model = view().model;
-    const bool waits = model.mode == Mode::kPedalUp || (!has_robot_ && model.mode == Mode::kWaiting);
+    const bool waits = has_robot_ ? model.mode == Mode::kPedalUp : traitsOf(model.mode).follows_robot;
     if (model.tick > 0 && may_move && waits) return ticks;
     tick();
   }

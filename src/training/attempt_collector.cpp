@@ -12,7 +12,7 @@ AttemptCollector::AttemptCollector(const ScoreSettings& settings,
 
 /** While an exercise runs; without one from the first pedal-down. */
 bool AttemptCollector::counts(const ModelState& model) const {
-  if (model.mode == Mode::kPaused || model.mode == Mode::kReplaying) return false;
+  if (!traitsOf(model.mode).timed) return false;
   if (model.exercise.status == ExerciseStatus::kNone) return !has_exercise_ && model.session_tick >= 0;
   return model.exercise.status == ExerciseStatus::kRunning;
 }

@@ -204,8 +204,7 @@ void MetricsAccumulator::followFault(const TickRecord& record) {
     metrics_.faults.back().last_tick = now_;
     metrics_.faults.back().last_cycle = record.robot.cycle;
   }
-  const bool moves = record.model.mode == Mode::kTeleoperating || record.model.mode == Mode::kExecuting;
-  const bool follows = moves && record.model.linked != 0;
+  const bool follows = mayMoveRobot(traitsOf(record.model.mode).moves) && record.model.linked != 0;
   const bool comparable = follows && record.model.robot_fresh != 0 && record.robot.frame > 0;
   const double error = comparable ? tipError(record) : 0.0;
   if (inFault()) {

@@ -55,12 +55,19 @@ enum class Moves : std::uint8_t {
   kBothIfAsked  ///< as kBoth if the request includes the robot, else as kModel
 };
 
+constexpr bool mayMoveRobot(Moves moves) noexcept {
+  return moves == Moves::kBoth || moves == Moves::kBothIfAsked;
+}
+
 /** How physics treats the scene's objects. */
 enum class WorldMotion : std::uint8_t {
   kMeets,   ///< objects move by physics and the arms collide with them
   kPasses,  ///< objects move by physics and the arms pass through them
   kStill,   ///< no physics: arms and objects are only placed
 };
+
+/** Practice with the model alone, to which a mode belongs. */
+enum class Practice : std::uint8_t { kNone, kSimulation, kTrial };
 
 /** Properties of a mode: a row of traitsOf(). A test compares them with the table in doc/modes.md. */
 struct ModeTraits {
@@ -77,6 +84,9 @@ struct ModeTraits {
   bool judged{};        ///< an exercise judges contacts and objects
   bool follows_plan{};  ///< the model follows a plan's path
   bool may_replay{};    ///< a replay may start from this mode
+  bool may_restart{};   ///< the exercise may restart: nothing moves, so no object is taken from between the jaws
+  bool follows_robot{};  ///< the model follows a robot that is connected
+  Practice practice{};
 };
 
 constexpr bool kYes = true, kNo = false;
@@ -86,28 +96,29 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
   using A = ActivityKind;
   using M = Moves;
   using W = WorldMotion;
+  using P = Practice;
   switch (mode) {
       // clang-format off
                                     //                                                hands plan   trial  repeat clients
-                                    // begins timed judged follows replay
-    case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes};
-    case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes};
-    case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo};
-    case Mode::kPlanning:       return {A::kPlanning,      M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo};
-    case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
-    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStill,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo};
-    case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfAsked, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo};
-    case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
-    case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo};
-    case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo};
-    case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo};
-    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStill,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo};
-    case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo};
+                                    // begins timed judged follows replay restart follows_robot practice
+    case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, P::kNone};
+    case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes, kYes, kYes, P::kNone};
+    case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kPlanning:       return {A::kPlanning,      M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStill,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfAsked, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kSimulation};
+    case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kYes, kNo,  P::kSimulation};
+    case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kTrial};
+    case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kTrial};
+    case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStill,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
+    case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
       // clang-format on
   }
   return {};  // invalid mode

@@ -57,12 +57,11 @@ void Activities::enter(Mode next) noexcept {
 
 /** Model and robot start from one pose; where no robot joins, the model goes on alone. */
 void Activities::link(Moves moves) noexcept {
-  const bool is_motion = moves == Moves::kBoth || moves == Moves::kBothIfAsked;
   const bool is_the_robots = moves == Moves::kBoth || (moves == Moves::kBothIfAsked && execution_.movesRobot());
   stage_.robot.link(is_the_robots && stage_.robotJoins());
   const bool is_linked = stage_.robot.isLinked();
   if (is_linked) stage_.arms.join(stage_.robot.joints());
-  if (moves == Moves::kModel || (is_motion && !is_linked)) stage_.arms.leaveRobot();
+  if (moves == Moves::kModel || (mayMoveRobot(moves) && !is_linked)) stage_.arms.leaveRobot();
 }
 
 // ---- what changes it ---------------------------------------------------------------------------------------------

@@ -7,12 +7,10 @@ using control::Event;
 
 /** The event by which releasing the camera's pedal goes back to mode `from`. */
 Event cameraLeft(Mode from) noexcept {
-  switch (from) {
-    case Mode::kSimulating:
-    case Mode::kSimulationHeld:
+  switch (traitsOf(from).practice) {
+    case Practice::kSimulation:
       return Event::kCameraLeftAlone;
-    case Mode::kTrial:
-    case Mode::kTrialHeld:
+    case Practice::kTrial:
       return Event::kCameraLeftOnTape;
     default:
       return Event::kCameraLeft;

@@ -153,7 +153,7 @@ void Execution::superviseMotion() noexcept {
 
 void Execution::settle(Mode next, Event event) noexcept {
   if (!traitsOf(next).keeps_repeat) repetition_.end(endBy(event));
-  if (next != Mode::kArmed && next != Mode::kExecuting) plan_.end(endBy(event));
+  if (traitsOf(next).activity != ActivityKind::kExecution) plan_.end(endBy(event));
 }
 
 void Execution::finish(ExecutionEnd end) noexcept {

@@ -9,7 +9,7 @@ void Hold::supervise() noexcept {
 }
 
 void Hold::lead(PerArm<JointArray>* target) noexcept {
-  if (mode() == Mode::kWaiting || mode() == Mode::kPedalUp) followRobot(target);
+  if (traitsOf(mode()).follows_robot) followRobot(target);
 }
 
 /** The robot is sent pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */

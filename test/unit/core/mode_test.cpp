@@ -14,6 +14,7 @@ constexpr std::array<const char*, kActivityCount> kActivityNames{
     "hold", "teleoperation", "planning", "goal selection", "execution", "trial", "returning", "replay", "camera"};
 constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if asked"};
 constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "still"};
+constexpr std::array<const char*, 3> kPracticeNames{" |", " simulation |", " trial |"};
 
 /** The page's row of a mode. */
 std::string rowOf(std::size_t mode) {
@@ -24,9 +25,9 @@ std::string rowOf(std::size_t mode) {
         kWorldNames[static_cast<std::size_t>(t.world)]})
     row += std::string(" |") + (*cell != '\0' ? " " : "") + cell;
   for (const bool mark : {t.hands, t.keeps_plan, t.keeps_trial, t.keeps_repeat, t.clients_hold, t.begins, t.timed,
-                          t.judged, t.follows_plan, t.may_replay})
+                          t.judged, t.follows_plan, t.may_replay, t.may_restart, t.follows_robot})
     row += mark ? " | x" : " |";
-  return row + " |";
+  return row + " |" + kPracticeNames[static_cast<std::size_t>(t.practice)];
 }
 
 /** Lines of the table of doc/modes.md whose first column is a mode. */
@@ -55,16 +56,19 @@ TEST(ModeTraits, AreWhatThePageSays) {
   EXPECT_EQ(rowsOfPage(), rowsOfTraits());
 }
 
-// A mode that moves the robot lets the model meet the scene, and a mode that follows a plan may keep it.
+// A mode that moves the robot lets the model meet the scene, and a mode that follows a plan may keep it. Practice
+// moves the model alone.
 TEST(ModeTraits, GoTogether) {
   for (std::size_t mode = 0; mode < kModeCount; ++mode) {
     const ModeTraits t = traitsOf(static_cast<Mode>(mode));
-    const bool moves_robot = t.moves == Moves::kBoth || t.moves == Moves::kBothIfAsked;
-    EXPECT_TRUE(!moves_robot || t.world == WorldMotion::kMeets) << kModeNames[mode];
+    EXPECT_TRUE(!mayMoveRobot(t.moves) || t.world == WorldMotion::kMeets) << kModeNames[mode];
     EXPECT_TRUE(!t.judged || t.world == WorldMotion::kMeets) << kModeNames[mode];
     EXPECT_TRUE(!t.follows_plan || t.keeps_plan) << kModeNames[mode];
     EXPECT_TRUE(!t.hands || t.world != WorldMotion::kPasses) << kModeNames[mode];
     EXPECT_TRUE(!t.keeps_repeat || t.keeps_trial) << kModeNames[mode];
+    EXPECT_TRUE(!t.follows_robot || t.moves == Moves::kNothing) << kModeNames[mode];
+    EXPECT_TRUE(t.practice == Practice::kNone || t.moves == Moves::kModel) << kModeNames[mode];
+    EXPECT_TRUE(t.practice != Practice::kTrial || t.keeps_trial) << kModeNames[mode];
   }
 }
 
