@@ -12,83 +12,16 @@
 #include "loop/activity/replay.h"
 #include "loop/activity/returning.h"
 #include "loop/activity/teleoperation.h"
-#include "support/rig.h"
+#include "support/activity_stage.h"
 
-// Tests each activity alone on a stage, without the physics loop. The test sets the mode, the pedal, the robot and the
-// increments, and records which events the activity raises.
+// Tests each activity alone on a stage; planning, trial and execution: activities_test.cpp.
 
 namespace raven2_trainer::loop {
 namespace {
 
 using control::Event;
 
-class RecordedModes final : public ModeMachine {
- public:
-  void raise(Event event) noexcept override { events.push_back(event); }
-  PlanningAnswer ask(Event event) noexcept override {
-    events.push_back(event);
-    return answer;
-  }
-
-  std::vector<Event> events;
-  PlanningAnswer answer{PlanningAnswer::kAccepted};
-};
-
-class ActivityTest : public ::testing::Test {
- protected:
-  static void SetUpTestSuite() { raven2_trainer::testing::useOde(); }
-
-  ActivityTest() {
-    stage.modes = &modes;
-    describe();
-  }
-
-  /** Updates the arms' state as the loop does at the end of a tick. */
-  void describe() {
-    for (const Arm arm : kArms)
-      stage.arms.describe(arm, true, &at(stage.state.arms, arm));
-  }
-
-  /** Shows a homed robot whose gold shoulder is `away` [rad] from the model's. */
-  void showRobot(double away = 0.0) {
-    RobotState robot;
-    robot.connected = 1;
-    robot.frame = robot.cycle = ++frame;
-    robot.homed = 1;
-    robot.runlevel = RunLevel::kPedalUp;
-    robot.arms[0].q = stage.arms.joints(Arm::kGold);
-    robot.arms[1].q = stage.arms.joints(Arm::kGreen);
-    robot.arms[0].q[kShoulder] += away;
-    shared->robot.store(robot);
-    stage.robot.hear(shared->robot, 0);
-    stage.robot.forgetOld();
-    stage.robot.becomesReady();
-  }
-
-  void move(Arm arm, const Vec3& dp_I) {
-    at(stage.increments.dp_I, arm) = dp_I;
-    stage.increments.commands = 1;
-  }
-
-  /** Runs one tick of the activity and its world, as the loop does. */
-  void tick(Activity* activity) {
-    activity->supervise();
-    activity->tick();
-    activity->move();
-    stage.increments = {};
-    describe();
-  }
-
-  double wanted(Arm arm, std::size_t joint) { return at(stage.arms.wanted(), arm)[joint]; }
-
-  const TrainerConfig config = raven2_trainer::testing::packagedConfig();
-  const model::RavenModel raven = raven2_trainer::testing::robotOf(config);
-  const model::SceneModel scene = model::loadSceneModel(config);
-  std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();
-  Stage stage{config, raven, scene, shared.get()};
-  RecordedModes modes;
-  std::uint64_t frame{0};
-};
+class ActivityTest : public raven2_trainer::testing::ActivityStage {};
 
 TEST_F(ActivityTest, HoldFollowsTheRobotWithThePedalUp) {
   Hold hold(&stage);
@@ -207,12 +140,10 @@ TEST_F(ActivityTest, TheCameraMovesByTheMeanOfBothHandsAndTheArmsHold) {
 }
 
 TEST_F(ActivityTest, TheCameraGoesBackToTheModeThatItCameFrom) {
-  const std::vector<std::pair<Mode, Event>> pairs{{Mode::kPedalUp, Event::kCameraLeft},
-                                                  {Mode::kTeleoperating, Event::kCameraLeft},
-                                                  {Mode::kSimulating, Event::kCameraLeftAlone},
-                                                  {Mode::kSimulationHeld, Event::kCameraLeftAlone},
-                                                  {Mode::kTrial, Event::kCameraLeftOnTape},
-                                                  {Mode::kTrialHeld, Event::kCameraLeftOnTape}};
+  const std::vector<std::pair<Mode, Event>> pairs{
+      {Mode::kPedalUp, Event::kCameraLeft},         {Mode::kTeleoperating, Event::kCameraLeft},
+      {Mode::kSimulating, Event::kCameraLeftAlone}, {Mode::kSimulationHeld, Event::kCameraLeftAlone},
+      {Mode::kTrial, Event::kCameraLeftOnTape},     {Mode::kTrialHeld, Event::kCameraLeftOnTape}};
   Camera camera(stage.config.live_camera, &stage);
   Request released;
   released.enabled = static_cast<std::uint8_t>(CameraPedal::kReleased);
