@@ -33,14 +33,14 @@ constexpr std::array<const char*, kModeCount> kModeNames{
     "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
     "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
-/** Part of the physics loop that carries out a mode. */
+/** Part of the physics loop that carries out a mode. At a change of mode and in a tick all are asked in this order. */
 enum class ActivityKind : std::uint8_t {
-  kHold,
-  kTeleoperation,
-  kPlanning,
-  kGoalSelection,
   kExecution,
   kTrial,
+  kPlanning,
+  kHold,
+  kTeleoperation,
+  kGoalSelection,
   kReturning,
   kReplay,
   kCamera,
@@ -71,7 +71,7 @@ enum class Practice : std::uint8_t { kNone, kSimulation, kTrial };
 
 /** Properties of a mode: a row of traitsOf(). A test compares them with the table in doc/modes.md. */
 struct ModeTraits {
-  ActivityKind activity{};
+  ActivityKind activity{ActivityKind::kHold};
   Moves moves{};
   WorldMotion world{};
   bool hands{};         ///< the masters move an arm of the model

@@ -21,8 +21,8 @@ Activities::Activities(const model::RavenModel& raven,
       returning_(stage->config.planner, &trial_, stage),
       replay_(stage),
       camera_(live_camera, stage),
-      all_{&hold_,  &teleoperation_, &planning_, &goal_selection_, &execution_,
-           &trial_, &returning_,     &replay_,   &camera_} {
+      all_{&execution_,      &trial_,     &planning_, &hold_,  &teleoperation_,
+           &goal_selection_, &returning_, &replay_,   &camera_} {
   stage->modes = this;
 }
 
@@ -31,9 +31,8 @@ Activities::Activities(const model::RavenModel& raven,
 void Activities::raise(Event event) noexcept {
   const Mode next = control::nextMode(stage_.mode(), event);
   if (next == stage_.mode()) return;
-  execution_.settle(next, event);
-  trial_.settle(next, event);
-  planning_.settle(next, event);
+  for (Activity* each : all_)
+    each->settle(next, event);
   enter(next);
   if (next == Mode::kPedalUp && stage_.mustReturn()) raise(Event::kReturnWanted);
   trial_.endRehearsal();
@@ -134,7 +133,7 @@ void Activities::takePlans() noexcept {
 
 /** One may hand over to another, which looks in the same tick whether it is over, too. */
 void Activities::supervise() noexcept {
-  for (Activity* each : std::array<Activity*, 5>{&execution_, &trial_, &hold_, &returning_, &replay_}) {
+  for (Activity* each : all_) {
     if (each == &current()) each->supervise();
   }
 }

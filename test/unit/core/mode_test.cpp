@@ -11,7 +11,7 @@ namespace raven2_trainer {
 namespace {
 
 constexpr std::array<const char*, kActivityCount> kActivityNames{
-    "hold", "teleoperation", "planning", "goal selection", "execution", "trial", "returning", "replay", "camera"};
+    "execution", "trial", "planning", "hold", "teleoperation", "goal selection", "returning", "replay", "camera"};
 constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if asked"};
 constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "still"};
 constexpr std::array<const char*, 3> kPracticeNames{" |", " simulation |", " trial |"};
