@@ -109,20 +109,24 @@ DiagnosticStatus forceStatus(const SessionCounts& counts) {
   return s;
 }
 
-/** Queues between the threads; whatever one dropped is lost. */
+/** Queues between the threads; whatever one dropped is lost. Those of answers are not in the log's counts. */
 DiagnosticStatus queueStatus(const SessionCounts& counts, const SharedState& shared) {
-  std::uint64_t dropped = counts.contacts_dropped;
-  for (const RingCounts& ring : counts.rings)
-    dropped += ring.dropped;
-  DiagnosticStatus s = status("queues", true, std::to_string(dropped) + " dropped");
-  if (dropped > 0) s.level = DiagnosticStatus::WARN;
+  DiagnosticStatus s = status("queues", true, "");
   s.values = {keyValue("relay_failed", counts.relay_failed), keyValue("force_failed", counts.force_failed),
               keyValue("sight_sent", shared.sight_sent.value()), keyValue("sight_failed", shared.sight_failed.value()),
               keyValue("contacts_dropped", counts.contacts_dropped)};
-  for (std::size_t i = 0; i < kRingCount; ++i) {
-    if (counts.rings[i].dropped > 0)
-      s.values.push_back(keyValue(std::string(kRingNames[i]) + "_dropped", counts.rings[i].dropped));
-  }
+  std::uint64_t total = counts.contacts_dropped;
+  const auto add = [&s, &total](const std::string& ring, std::uint64_t dropped) {
+    if (dropped > 0) s.values.push_back(keyValue(ring + "_dropped", dropped));
+    total += dropped;
+  };
+  for (std::size_t i = 0; i < kRingCount; ++i)
+    add(kRingNames[i], counts.rings[i].dropped);
+  add("answers", shared.answers.dropped());
+  add("plan_answers", shared.plan_answers.dropped());
+  add("execution_answers", shared.execution_answers.dropped());
+  s.message = std::to_string(total) + " dropped";
+  if (total > 0) s.level = DiagnosticStatus::WARN;
   return s;
 }
 

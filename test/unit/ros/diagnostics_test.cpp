@@ -201,6 +201,26 @@ TEST(Diagnostics, WhateverAQueueDropsIsAWarning) {
   }
 }
 
+/** Fills a ring of answers, and offers one more. */
+template <typename T, std::size_t Capacity>
+void overfill(SpscRing<T, Capacity>* ring) {
+  while (ring->tryPush(T{})) {
+  }
+}
+
+TEST(Diagnostics, AnAnswerThatAFullQueueDropsIsAWarning) {
+  const auto shared = std::make_unique<SharedState>();
+  EXPECT_EQ(queues(*shared).message, "0 dropped");
+  overfill(&shared->answers);
+  overfill(&shared->plan_answers);
+  overfill(&shared->execution_answers);
+  const DiagnosticStatus status = queues(*shared);
+  EXPECT_EQ(status.level, DiagnosticStatus::WARN);
+  EXPECT_EQ(status.message, "3 dropped");
+  for (const char* ring : {"answers", "plan_answers", "execution_answers"})
+    EXPECT_EQ(valueOf(status, std::string(ring) + "_dropped"), "1") << ring;
+}
+
 TEST(Diagnostics, PacketsThatTheSystemDidNotTakeAreToldByTheirLink) {
   const auto shared = std::make_unique<SharedState>();
   SessionCounts counts;
