@@ -13,7 +13,6 @@ import pyarrow
 import pyarrow.parquet
 from raven2_exports import dataset, episode
 
-VERSIONS = ("2.1", "3.0")
 ROBOT = "raven2"
 CHUNK = 1000  # files in a folder
 FILE_BYTES = 100 * 1024 * 1024  # of a table in 3.0

@@ -26,7 +26,6 @@ from raven2_trainer.srv import BeginReplay, CancelPlan, ExecutePlan, PlanPath, S
 from . import frames, priority, wire
 
 STRIP_PERIOD = 0.04    # [s] of tip error and force: 25 Hz
-HANDS_PERIOD = 0.016   # [s] of the virtual hand device
 MASTER_PERIOD = 0.5    # [s] between questions to the ROS master
 MASTER_PATIENCE = 1.0  # [s] for its answer
 LONGEST_CALL = 60.0    # [s] the next session: the end of one and the start of another

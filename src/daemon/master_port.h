@@ -16,7 +16,6 @@ class MasterPort {
 
   /** Waits for datagrams, at most 50 ms, and takes what is there: a flood cannot keep the thread. */
   void tick() noexcept;
-  std::uint16_t port() const noexcept { return receiver_.port(); }
 
  private:
   void take(const std::uint8_t* bytes, const net::Datagram& datagram) noexcept;

@@ -417,8 +417,4 @@ std::string Simulator::realtimeStatus() const {
   return impl_->realtimeStatus();
 }
 
-std::uint16_t Simulator::masterPort() const noexcept {
-  return impl_->master_port.port();
-}
-
 }  // namespace raven2_trainer::daemon

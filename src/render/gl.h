@@ -53,7 +53,6 @@
   X(glGetProgramiv, PFNGLGETPROGRAMIVPROC)                       \
   X(glGetShaderInfoLog, PFNGLGETSHADERINFOLOGPROC)               \
   X(glGetShaderiv, PFNGLGETSHADERIVPROC)                         \
-  X(glGetString, PFNGLGETSTRINGPROC)                             \
   X(glGetStringi, PFNGLGETSTRINGIPROC)                           \
   X(glGetUniformLocation, PFNGLGETUNIFORMLOCATIONPROC)           \
   X(glLinkProgram, PFNGLLINKPROGRAMPROC)                         \
@@ -72,7 +71,6 @@
   X(glUniform1i, PFNGLUNIFORM1IPROC)                             \
   X(glUniform3fv, PFNGLUNIFORM3FVPROC)                           \
   X(glUniform4fv, PFNGLUNIFORM4FVPROC)                           \
-  X(glUniformMatrix3fv, PFNGLUNIFORMMATRIX3FVPROC)               \
   X(glUniformMatrix4fv, PFNGLUNIFORMMATRIX4FVPROC)               \
   X(glUseProgram, PFNGLUSEPROGRAMPROC)                           \
   X(glVertexAttribPointer, PFNGLVERTEXATTRIBPOINTERPROC)         \

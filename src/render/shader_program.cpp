@@ -59,10 +59,6 @@ void setUniform(GLint location, const Eigen::Matrix4f& m) noexcept {
   glUniformMatrix4fv(location, 1, GL_FALSE, m.data());
 }
 
-void setUniform(GLint location, const Eigen::Matrix3f& m) noexcept {
-  glUniformMatrix3fv(location, 1, GL_FALSE, m.data());
-}
-
 void setUniform(GLint location, const Eigen::Vector3f& v) noexcept {
   glUniform3fv(location, 1, v.data());
 }

@@ -25,7 +25,6 @@ class ShaderProgram {
 };
 
 void setUniform(GLint location, const Eigen::Matrix4f& m) noexcept;
-void setUniform(GLint location, const Eigen::Matrix3f& m) noexcept;
 void setUniform(GLint location, const Eigen::Vector3f& v) noexcept;
 void setUniform(GLint location, const Eigen::Vector4f& v) noexcept;
 

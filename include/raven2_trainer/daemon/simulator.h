@@ -75,8 +75,6 @@ class Simulator {
   PlanCounts planCounts() const noexcept;
   /** The granted scheduling and memory locking, in words. */
   std::string realtimeStatus() const;
-  /** Port the masters send to. */
-  std::uint16_t masterPort() const noexcept;
 
  private:
   struct Impl;
