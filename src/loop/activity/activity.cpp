@@ -7,22 +7,6 @@ void Activity::enter(Mode /*before*/) noexcept {
   stage_.arms.rebase();
 }
 
-void Activity::leave(Mode /*next*/) noexcept {}
-
-void Activity::settle(Mode /*next*/, control::Event /*event*/) noexcept {}
-
-void Activity::supervise() noexcept {}
-
-bool Activity::press() noexcept {
-  return true;
-}
-
-void Activity::release() noexcept {}
-
-void Activity::tick() noexcept {
-  stage_.increments.drop();
-}
-
 /** A robot that is not ready searches its stops, wherever that leads: the model passes through everything until then.
  */
 void Activity::move() noexcept {
@@ -31,12 +15,6 @@ void Activity::move() noexcept {
   lead(&target);
   stage_.arms.drive(target, &stage_.state);
 }
-
-PlanningAnswer Activity::request(const Request& /*request*/) noexcept {
-  return PlanningAnswer::kNotNow;
-}
-
-void Activity::lead(PerArm<JointArray>* /*target*/) noexcept {}
 
 void Activity::followRobot(PerArm<JointArray>* target) noexcept {
   if (!stage_.robot.isFresh()) return;

@@ -16,28 +16,28 @@ class Activity {
   /** The mode changed to one of this activity, from `before`. Model and robot may be linked or not. */
   virtual void enter(Mode before) noexcept;
   /** The mode changes from one of this activity to `next`. */
-  virtual void leave(Mode next) noexcept;
+  virtual void leave(Mode /*next*/) noexcept {}
   /** Any mode becomes `next`, also outside this activity: it may have to drop state that it keeps over several modes.
    */
-  virtual void settle(Mode next, control::Event event) noexcept;
+  virtual void settle(Mode /*next*/, control::Event /*event*/) noexcept {}
 
   /** On what the tick before led to: it may be over. */
-  virtual void supervise() noexcept;
+  virtual void supervise() noexcept {}
   /** The pedal goes down. @return whether that counts. */
-  virtual bool press() noexcept;
-  virtual void release() noexcept;
+  virtual bool press() noexcept { return true; }
+  virtual void release() noexcept {}
   /** Uses this tick's motion of the hands, or ignores it. */
-  virtual void tick() noexcept;
+  virtual void tick() noexcept { stage_.increments.drop(); }
   /** The world goes on by one step. */
   virtual void move() noexcept;
   /** A request that is its own. @return the answer; kNone if it was given, or nobody wants one. */
-  virtual PlanningAnswer request(const Request& request) noexcept;
+  virtual PlanningAnswer request(const Request& /*request*/) noexcept { return PlanningAnswer::kNotNow; }
 
  protected:
   explicit Activity(Stage* stage) noexcept : stage_(*stage) {}
 
   /** The controllers' set points [rad; m], where they differ from where the arms shall be. */
-  virtual void lead(PerArm<JointArray>* target) noexcept;
+  virtual void lead(PerArm<JointArray>* /*target*/) noexcept {}
   void followRobot(PerArm<JointArray>* target) noexcept;
   /** The hands move both arms. */
   void aimByHand() noexcept;
