@@ -232,24 +232,9 @@ void stepAll(const std::vector<Simulation*>& all,
   if (trouble) std::rethrow_exception(trouble);
 }
 
-void addSimulation(py::module_* target) {
-  py::module_& module = *target;
-  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot")
-      .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
-
-  py::class_<Simulation>(module, "Simulation")
-      .def(py::init([](const std::string& exercise, const std::string& hazard, std::uint64_t seed,
-                       const std::string& config, bool has_robot, const std::string& motion, const std::string& output,
-                       const std::string& plant, const std::string& link, const Settings& settings) {
-             SimulationOptions options{exercise, hazard, motion, config, output, seed, has_robot, plant, link, {}};
-             for (const auto& [key, value] : settings)
-               options.settings.push_back({key, value, "settings[\"" + key + "\"]"});
-             const py::gil_scoped_release release;
-             return made<Simulation>(options);
-           }),
-           py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
-           py::arg("motion"), py::arg("output"), py::arg("plant"), py::arg("link"), py::arg("settings"))
-      .def(
+void addCommands(py::class_<Simulation>* target) {
+  target
+      ->def(
           "step",
           [](Simulation& self, const py::object& command, int ticks) {
             const StepCommand wanted = stepCommand(command);
@@ -270,41 +255,52 @@ void addSimulation(py::module_* target) {
       .def("restore", &Simulation::restore, py::arg("snapshot"), py::call_guard<py::gil_scoped_release>())
       .def("inject", &Simulation::inject, py::arg("hazard"), py::call_guard<py::gil_scoped_release>())
       .def("clear_hazards", &Simulation::clearHazards, py::call_guard<py::gil_scoped_release>())
-      .def("close", &Simulation::close, py::call_guard<py::gil_scoped_release>())
-      .def(
-          "render",
-          [](const Simulation& self, const std::string& camera, int width, int height) {
-            demandSize(width, height);
-            std::vector<std::uint8_t> rgb;
-            {
-              const py::gil_scoped_release release;
-              rgb = drawPicture(self, camera, width, height);
-            }
-            return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
-          },
-          py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
-      .def(
-          "measure",
-          [](const Simulation& self, const std::string& camera, int width, int height) {
-            demandSize(width, height);
-            render::Geometry seen;
-            {
-              const py::gil_scoped_release release;
-              seen = measurePicture(self, camera, width, height);
-            }
-            return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
-                                  py::array_t<std::uint16_t>({height, width}, seen.part.data()));
-          },
-          py::arg("camera") = "endoscope", py::arg("width") = 640, py::arg("height") = 480)
+      .def("close", &Simulation::close, py::call_guard<py::gil_scoped_release>());
+}
+
+void addPictures(py::class_<Simulation>* target) {
+  const auto draw = [](const Simulation& self, const std::string& camera, int width, int height) {
+    demandSize(width, height);
+    const auto rgb = withoutLock([&] { return drawPicture(self, camera, width, height); });
+    return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
+  };
+  const auto measure = [](const Simulation& self, const std::string& camera, int width, int height) {
+    demandSize(width, height);
+    const auto seen = withoutLock([&] { return measurePicture(self, camera, width, height); });
+    return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
+                          py::array_t<std::uint16_t>({height, width}, seen.part.data()));
+  };
+  const py::arg_v camera = py::arg("camera") = "endoscope", width = py::arg("width") = 640,
+                  height = py::arg("height") = 480;
+  target->def("render", draw, camera, width, height)
+      .def("measure", measure, camera, width, height)
       .def_property_readonly("part_names",
                              [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); })
-      .def_property_readonly("cameras",
-                             [](const Simulation& self) {
-                               std::vector<std::string> names;
-                               for (const CameraConfig& camera : self.config().render.cameras)
-                                 names.push_back(camera.name);
-                               return names;
-                             })
+      .def_property_readonly("cameras", [](const Simulation& self) {
+        std::vector<std::string> names;
+        for (const CameraConfig& each : self.config().render.cameras)
+          names.push_back(each.name);
+        return names;
+      });
+}
+
+void addSimulation(py::module_* target) {
+  py::module_& module = *target;
+  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot")
+      .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
+
+  py::class_<Simulation> simulation(module, "Simulation");
+  simulation
+      .def(py::init([](const std::string& exercise, const std::string& hazard, std::uint64_t seed,
+                       const std::string& config, bool has_robot, const std::string& motion, const std::string& output,
+                       const std::string& plant, const std::string& link, const Settings& settings) {
+             SimulationOptions options{exercise, hazard, motion, config, output, seed, has_robot, plant, link, {}};
+             for (const auto& [key, value] : settings)
+               options.settings.push_back({key, value, "settings[\"" + key + "\"]"});
+             return withoutLock([&] { return made<Simulation>(options); });
+           }),
+           py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
+           py::arg("motion"), py::arg("output"), py::arg("plant"), py::arg("link"), py::arg("settings"))
       .def_property_readonly("closed", &Simulation::isClosed)
       .def_property_readonly("memory", &Simulation::stateSize)
       .def_property_readonly("state", [](py::object self) { return made<State>(std::move(self)); })
@@ -314,31 +310,35 @@ void addSimulation(py::module_* target) {
           names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
         return names;
       });
+  addCommands(&simulation);
+  addPictures(&simulation);
+}
+
+/** Numbers of both arms. */
+void addArms(py::class_<State>* target) {
+  const auto of_model = [target](const char* name, auto member) {
+    target->def_property_readonly(name, [member](const State& s) { return perArm(s.model().arms, member, s.owner()); });
+  };
+  const auto of_robot = [target](const char* name, auto member) {
+    target->def_property_readonly(name, [member](const State& s) { return perArm(s.robot().arms, member, s.owner()); });
+  };
+  of_model("joints", &ArmState::q);
+  of_model("joint_rates", &ArmState::dq);
+  of_model("torques", &ArmState::tau);
+  of_model("desired_joints", &ArmState::q_d);
+  of_model("tips", &ArmState::p_BT);
+  of_model("tip_velocities", &ArmState::v_BT);
+  of_model("tip_rotations", &ArmState::q_BT);
+  of_robot("robot_joints", &RobotArmState::q);
+  of_robot("robot_tips", &RobotArmState::p_BT);
+  of_robot("dac", &RobotArmState::dac);
 }
 
 void addState(py::module_* target) {
-  py::module_& module = *target;
-  py::class_<State>(module, "State")
-      .def_property_readonly("joints", [](const State& s) { return perArm(s.model().arms, &ArmState::q, s.owner()); })
-      .def_property_readonly("joint_rates",
-                             [](const State& s) { return perArm(s.model().arms, &ArmState::dq, s.owner()); })
-      .def_property_readonly("torques",
-                             [](const State& s) { return perArm(s.model().arms, &ArmState::tau, s.owner()); })
-      .def_property_readonly("desired_joints",
-                             [](const State& s) { return perArm(s.model().arms, &ArmState::q_d, s.owner()); })
-      .def_property_readonly("tips", [](const State& s) { return perArm(s.model().arms, &ArmState::p_BT, s.owner()); })
-      .def_property_readonly("tips_in_world", &tipsInWorld)
+  py::class_<State> state(*target, "State");
+  addArms(&state);
+  state.def_property_readonly("tips_in_world", &tipsInWorld)
       .def_property_readonly("desired_tips_in_world", &desiredTipsInWorld)
-      .def_property_readonly("tip_velocities",
-                             [](const State& s) { return perArm(s.model().arms, &ArmState::v_BT, s.owner()); })
-      .def_property_readonly("tip_rotations",
-                             [](const State& s) { return perArm(s.model().arms, &ArmState::q_BT, s.owner()); })
-      .def_property_readonly("robot_joints",
-                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::q, s.owner()); })
-      .def_property_readonly("robot_tips",
-                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::p_BT, s.owner()); })
-      .def_property_readonly("dac",
-                             [](const State& s) { return perArm(s.robot().arms, &RobotArmState::dac, s.owner()); })
       .def_property_readonly("force", [](const State& s) { return perArm(s.haptic().force_B, s.owner()); })
       .def_property_readonly(
           "error", [](const State& s) { return view(s.haptic().error.data(), {2}, {sizeof(double)}, s.owner()); })
@@ -350,11 +350,7 @@ void addState(py::module_* target) {
           })
       .def_property_readonly("true_joints",
                              [](const State& s) {
-                               PerArm<JointArray> q;
-                               {
-                                 const py::gil_scoped_release release;
-                                 q = s.simulation().trueJoints();
-                               }
+                               const auto q = withoutLock([&] { return s.simulation().trueJoints(); });
                                return Numbers({2, 7}, q[0].data());
                              })
       .def_property_readonly("mode",

@@ -181,12 +181,7 @@ py::dict plan(Planner& self,
     request.goal = GoalKind::kJoints;
     request.goal_q = arrayOf<JointArray>(goal, "goal");
   }
-  PlanResult result;
-  {
-    const py::gil_scoped_release release;
-    result = self.plan(request, seed);
-  }
-  return describe(result);
+  return describe(withoutLock([&] { return self.plan(request, seed); }));
 }
 
 py::array_t<bool> inCollision(Planner& self,
