@@ -1,7 +1,8 @@
 """Reads a session of raven2_trainer: the log session.rlog and the JSON files next to it.
 
 The log describes itself: its first record lists the fields of every other record, and the numpy types are built from
-that list, so this module knows no field by name. Format: doc/session.md.
+that list, so this module knows no field by name. Format: doc/session.md. It is the session.py of the Python package as
+well: that is why this file is long.
 
     import raven2_session                          # in scripts/; elsewhere: from raven2_trainer import session as raven2_session
     session = raven2_session.Session("sessions/2026-01-31T12-00-00Z")
@@ -255,7 +256,7 @@ class SessionLog:
         cut = False
         while position < end:
             state, kind, version, size = _look(data, position, end)
-            body = position + FRAME.size
+            body, is_whole = position + FRAME.size, True
             if state == "intact" and (kind, version) == CHUNK:
                 try:
                     groups, is_whole = self._chunk_groups(data[body : body + size], known)
@@ -267,8 +268,6 @@ class SessionLog:
                 is_whole = size == known[kind][1]
                 if is_whole:
                     found.append((body, plain[kind], 0))
-            else:
-                is_whole = True
             if state == "intact":
                 if skipped_from is not None:
                     self.bad_bytes += position - skipped_from

@@ -193,14 +193,11 @@ async def serve(station, client, asked):
     client.send({"t": "reply", "id": number, "ok": ok, "text": text, "more": more})
 
 
-def make_app(options):
-    """@param options: share, programs, scripts, sessions (folders), config (root file of the user's own configuration, or ""),
-    robot (address or ""), password_hash, local (bool)."""
+def make_station(options, logs):
     own = pathlib.Path(options.config).parent if options.config else None
     station = Station(Library(options.share, own), Records(options.sessions))
     station.link = RosLink(station.heard, station.changed)
     station.finisher = Finisher(options.programs, options.scripts, station.finished)
-    logs = pathlib.Path(options.sessions) / "station_logs"
     reported = {"last": None}
 
     def changed():
@@ -212,6 +209,14 @@ def make_app(options):
 
     station.supervisor = Supervisor(options.programs, options.sessions, station.known, changed, station.records.progress,
                                     options.robot, logs, options.config)
+    return station
+
+
+def make_app(options):
+    """@param options: share, programs, scripts, sessions (folders), config (root file of the user's own configuration, or ""),
+    robot (address or ""), password_hash, local (bool)."""
+    logs = pathlib.Path(options.sessions) / "station_logs"
+    station = make_station(options, logs)
     app = web.Application(middlewares=[guard], client_max_size=LARGEST_BODY)
     app[STATION], app[LOCAL], app["numbers"] = station, options.local, 0
     app[ACCESS] = access.Access(options.password_hash, logs / "logins.json")

@@ -28,6 +28,15 @@ struct Options {
   raven2_trainer::render::SessionRenderOptions render;
 };
 
+/** @return what is wrong with a size; empty if nothing is. */
+std::string checkSize(const std::string& text) {
+  int w = 0, h = 0, used = 0;
+  const int read = std::sscanf(text.c_str(), "%4dx%4d%n", &w, &h, &used);
+  const bool ok = read == 2 && used == static_cast<int>(text.size()) && w >= 64 && w <= 4096 && h >= 64 && h <= 4096 &&
+                  w % 2 == 0 && h % 2 == 0;
+  return ok ? "" : "must be WIDTHxHEIGHT, each even and in 64..4096";
+}
+
 void addOptions(CLI::App* app, Options* o) {
   app->add_option("DIR", o->directories, "Session directories, each with session.rlog")->required();
   app->add_flag("--again", o->again,
@@ -42,16 +51,9 @@ void addOptions(CLI::App* app, Options* o) {
          "or all, or none (default: config/render.yaml). Without hazard the video shows a black, frozen or late "
          "picture as the trainee saw it")
       ->delimiter(',');
-  app->add_option("--size", o->size, "Size of the picture: WIDTHxHEIGHT, each even and 64 to 4096 (default: config/render.yaml)")
-      ->check(CLI::Validator(
-          [](std::string& text) {
-            int w = 0, h = 0, used = 0;
-            const int read = std::sscanf(text.c_str(), "%4dx%4d%n", &w, &h, &used);
-            const bool ok = read == 2 && used == static_cast<int>(text.size()) && w >= 64 && w <= 4096 && h >= 64 &&
-                            h <= 4096 && w % 2 == 0 && h % 2 == 0;
-            return ok ? std::string() : "must be WIDTHxHEIGHT, each even and in 64..4096";
-          },
-          "WxH"));
+  app->add_option("--size", o->size,
+                  "Size of the picture: WIDTHxHEIGHT, each even and 64 to 4096 (default: config/render.yaml)")
+      ->check(CLI::Validator(checkSize, "WxH"));
   app->add_option("--fps", o->fps, "Frames per second (default: config/render.yaml)")->check(CLI::Range(1, 120));
   app->add_option("--from", o->render.from, "Session time of the first frame [s]; needs --output")
       ->check(CLI::Range(0.0, 1e6));

@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 #include <chrono>
+#include <cinttypes>
 #include <cstdlib>
 
 #include "apps/common/command_line.h"
@@ -42,10 +43,9 @@ int replay(const Options& options) {
                                                              options.output, [&](double share) { bar.update(share); });
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - start;
   char text[160];
-  std::snprintf(text, sizeof(text), "%.1f s in %.1f s (%.0f x real time); ITP %llu received, %llu applied",
-                summary.seconds, wall.count(), summary.seconds / wall.count(),
-                static_cast<unsigned long long>(summary.itp.received),
-                static_cast<unsigned long long>(summary.itp.applied));
+  std::snprintf(text, sizeof(text),
+                "%.1f s in %.1f s (%.0f x real time); ITP %" PRIu64 " received, %" PRIu64 " applied", summary.seconds,
+                wall.count(), summary.seconds / wall.count(), summary.itp.received, summary.itp.applied);
   bar.done(text);
   return 0;
 }
@@ -54,6 +54,23 @@ int replay(const Options& options) {
 [[noreturn]] void crash() {
   std::fprintf(stderr, "the control program crashed (fault)\n");
   std::_Exit(kCrashed);
+}
+
+/** Prints the final counts. @return whether they add up. */
+bool reportEnd(const robot::RavenServer& server) {
+  const RobotState state = server.state();
+  const robot::StateServer& link = server.stateServer();
+  const net::FrameTotals frames = link.frames();
+  std::fprintf(stderr,
+               "%" PRIu64 " cycles; ITP %" PRIu64 " received, %" PRIu64 " applied; %" PRIu64
+               " frames lost by slow readers\n",
+               state.cycle, state.itp.received, state.itp.applied, frames.dropped);
+  std::fprintf(stderr,
+               "frames: %" PRIu64 " = %" PRIu64 " sent + %" PRIu64 " dropped + %" PRIu64 " unsent + %" PRIu64
+               " queued; readers: %" PRIu64 " refused, %" PRIu64 " evicted\n",
+               frames.pushed, frames.sent, frames.dropped, frames.unsent, frames.queued, link.readersRefused(),
+               link.readersEvicted());
+  return state.itp.addsUp() && frames.addsUp();
 }
 
 int run(const Options& options, int argc, char** argv) {
@@ -78,31 +95,15 @@ int run(const Options& options, int argc, char** argv) {
     if (level != shown) std::fprintf(stderr, "run level %s\n", kRunLevelNames[static_cast<std::size_t>(level)]);
     shown = level;
     const std::uint64_t acts = server.detectorCycles();
-    if (acts != acted) {
-      std::fprintf(stderr, "detector: acted in %llu cycles by cycle %llu\n", static_cast<unsigned long long>(acts),
-                   static_cast<unsigned long long>(state.cycle));
-    }
+    if (acts != acted)
+      std::fprintf(stderr, "detector: acted in %" PRIu64 " cycles by cycle %" PRIu64 "\n", acts, state.cycle);
     acted = acts;
   }
   ros.end();
   server.stop();
-  const LinkCounts itp = server.state().itp;
-  const robot::StateServer& link = server.stateServer();
-  const net::FrameTotals frames = link.frames();
-  std::fprintf(stderr, "%llu cycles; ITP %llu received, %llu applied; %llu frames lost by slow readers\n",
-               static_cast<unsigned long long>(server.state().cycle), static_cast<unsigned long long>(itp.received),
-               static_cast<unsigned long long>(itp.applied), static_cast<unsigned long long>(frames.dropped));
-  std::fprintf(stderr,
-               "frames: %llu = %llu sent + %llu dropped + %llu unsent + %llu queued; readers: %llu refused, "
-               "%llu evicted\n",
-               static_cast<unsigned long long>(frames.pushed), static_cast<unsigned long long>(frames.sent),
-               static_cast<unsigned long long>(frames.dropped), static_cast<unsigned long long>(frames.unsent),
-               static_cast<unsigned long long>(frames.queued), static_cast<unsigned long long>(link.readersRefused()),
-               static_cast<unsigned long long>(link.readersEvicted()));
-  if (ros.met()) {
-    std::fprintf(stderr, "%llu messages of /ravenstate lost\n", static_cast<unsigned long long>(publisher.lost()));
-  }
-  return ros.leave(itp.addsUp() && frames.addsUp() ? 0 : 1);
+  const bool adds_up = reportEnd(server);
+  if (ros.met()) std::fprintf(stderr, "%" PRIu64 " messages of /ravenstate lost\n", publisher.lost());
+  return ros.leave(adds_up ? 0 : 1);
 }
 
 }  // namespace

@@ -100,6 +100,23 @@ std::vector<Scenario> readScenarios(const std::string& folder, TrainerConfig* al
   return scenarios;
 }
 
+std::string placeOf(Section& root, const fs::path& folder, const char* key) {
+  return (folder / root.text(key)).lexically_normal().string();
+}
+
+/** Files and folders that are read later. */
+void readPlaces(Section& root, const fs::path& folder, TrainerConfig* c) {
+  const Neighbour robot = neighbour(folder.string(), root.text("robot_urdf"), "config");
+  const Neighbour scene = neighbour(folder.string(), root.text("scene_urdf"), "config");
+  c->robot_urdf = robot.path;
+  c->scene_urdf = scene.path;
+  c->urdf_places = {{robot.path, robot.place}, {scene.path, scene.place}};
+  c->exercises = placeOf(root, folder, "exercises");
+  c->scenes = placeOf(root, folder, "scenes");
+  c->curricula = placeOf(root, folder, "curricula");
+  c->bands = placeOf(root, folder, "bands");
+}
+
 }  // namespace
 
 TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& instead, const Overrides& overrides) {
@@ -107,7 +124,7 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   TrainerConfig c;
   Section root = openFile(path, overridesOfRoot(overrides), &c);
   const fs::path folder = fs::absolute(path).parent_path();
-  const auto file = [&](const char* key) { return (folder / root.text(key)).lexically_normal().string(); };
+  const auto file = [&](const char* key) { return placeOf(root, folder, key); };
   const auto read = [&](const char* key, auto* part, auto reader) {
     using Part = std::remove_pointer_t<decltype(part)>;
     *part = readFile<Part>(file(key), overridesOf(overrides, key), &c, reader);
@@ -115,10 +132,9 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   read("arms", &c.arms, readArms);
   read("model", &c.model, readModel);
   read("haptics", &c.haptics, readHaptics);
-  const auto readNetworkFor = [&](Section& section, NetworkConfig* network) {
+  read("network", &c.network, [&c](Section& section, NetworkConfig* network) {
     readNetwork(section, c.haptics, network);  // a force must end in time
-  };
-  read("network", &c.network, readNetworkFor);
+  });
   readStream((fs::absolute(file("network")).parent_path() / "streams").string(), &c);
   read("runtime", &c.runtime, readRuntime);
   read("planner", &c.planner, readPlanner);
@@ -133,15 +149,7 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   read("detector", &c.detector, readDetector);
   readImpairments(file("impairments"), &c);
   c.scenarios = readScenarios(file("faults"), &c);
-  const Neighbour robot = neighbour(folder.string(), root.text("robot_urdf"), "config");
-  const Neighbour scene = neighbour(folder.string(), root.text("scene_urdf"), "config");
-  c.robot_urdf = robot.path;
-  c.scene_urdf = scene.path;
-  c.urdf_places = {{robot.path, robot.place}, {scene.path, scene.place}};
-  c.exercises = file("exercises");
-  c.scenes = file("scenes");
-  c.curricula = file("curricula");
-  c.bands = file("bands");
+  readPlaces(root, folder, &c);
   const TrainingNames names = readTrainingNames(root, instead);
   c.hazard = root.text("hazard");
   c.seed = static_cast<std::uint64_t>(root.integer("seed", 0, std::int64_t{1} << 53));

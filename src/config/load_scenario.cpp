@@ -78,6 +78,32 @@ void readRandom(Section& root, Fault* fault) {
   if (!(fault->low < fault->high)) throw ConfigException(root.where("high") + " is not above low");
 }
 
+/** Parameters of a kind that acts on whole packets. */
+void readPacketParameters(Section& root, const std::vector<std::string>& impairments, Fault* fault) {
+  const auto count = [&](std::int64_t least, std::int64_t most) {
+    fault->value = static_cast<double>(root.integer("value", least, most));
+  };
+  switch (fault->kind) {
+    case FaultKind::kDrop:
+      fault->value = root.number("value", 0, 1);
+      break;
+    case FaultKind::kDelay:
+      return readDelay(root, fault);
+    case FaultKind::kDuplicate:
+      return count(1, static_cast<std::int64_t>(kMaxDuplicates));
+    case FaultKind::kReorder:
+      return count(2, static_cast<std::int64_t>(kMaxReordered));
+    case FaultKind::kReplay:
+      return count(1, kMaxDelay);
+    case FaultKind::kForge:
+      return readForgery(root, fault);
+    case FaultKind::kImpair:
+      return readImpairment(root, impairments, fault);
+    default:
+      break;  // nothing more to say
+  }
+}
+
 /** Parameters of the kind. */
 void readParameters(Section& root, const std::vector<std::string>& impairments, Fault* fault) {
   switch (fault->kind) {
@@ -96,31 +122,9 @@ void readParameters(Section& root, const std::vector<std::string>& impairments, 
       break;
     case FaultKind::kRandom:
     case FaultKind::kRandomOnce:
-      readRandom(root, fault);
-      break;
-    case FaultKind::kDrop:
-      fault->value = root.number("value", 0, 1);
-      break;
-    case FaultKind::kDelay:
-      readDelay(root, fault);
-      break;
-    case FaultKind::kDuplicate:
-      fault->value = static_cast<double>(root.integer("value", 1, static_cast<std::int64_t>(kMaxDuplicates)));
-      break;
-    case FaultKind::kReorder:
-      fault->value = static_cast<double>(root.integer("value", 2, static_cast<std::int64_t>(kMaxReordered)));
-      break;
-    case FaultKind::kReplay:
-      fault->value = static_cast<double>(root.integer("value", 1, kMaxDelay));
-      break;
-    case FaultKind::kForge:
-      readForgery(root, fault);
-      break;
-    case FaultKind::kImpair:
-      readImpairment(root, impairments, fault);
-      break;
+      return readRandom(root, fault);
     default:
-      break;  // nothing more to say
+      readPacketParameters(root, impairments, fault);
   }
 }
 

@@ -58,6 +58,12 @@ Hand readHand(Section& entry, const std::string& key) {
   return static_cast<Hand>(entry.choice(key, kHandNames));
 }
 
+/** A point, and the largest distance [m] from it. */
+void readNear(Section& entry, const std::string& key, const SceneRoles& roles, double least, Predicate* p) {
+  p->place = readPoint(entry, key, roles);
+  p->value = entry.number("within", least, 1);
+}
+
 void readValue(Section& entry, const std::string& key, const SceneRoles& roles, Predicate* p) {
   switch (p->kind) {
     case PredicateKind::kHeld:
@@ -73,14 +79,10 @@ void readValue(Section& entry, const std::string& key, const SceneRoles& roles, 
       p->place = readPeg(entry, key, roles);
       return;
     case PredicateKind::kAt:
-      p->place = readPoint(entry, key, roles);
-      p->value = entry.number("within", 0.0001, 1);
-      return;
+      return readNear(entry, key, roles, 0.0001, p);
     case PredicateKind::kTipNear:
-      p->place = readPoint(entry, key, roles);
       p->hand = readHand(entry, "arm");
-      p->value = entry.number("within", 0.0001, 1);
-      return;
+      return readNear(entry, key, roles, 0.0001, p);
     case PredicateKind::kTipInside:
     case PredicateKind::kTipOutside:
       p->place = indexOf(entry, key, entry.text(key), roles.regions, "region");
@@ -94,9 +96,7 @@ void readValue(Section& entry, const std::string& key, const SceneRoles& roles, 
       p->place = indexOf(entry, key, entry.text(key), roles.wires, "wire");
       return;
     case PredicateKind::kInView:
-      p->place = readPoint(entry, key, roles);
-      p->value = entry.number("within", 0.01, 1);
-      return;
+      return readNear(entry, key, roles, 0.01, p);
     case PredicateKind::kCameraNear:
       p->place = readPoint(entry, key, roles);
       p->value = entry.number("within", 0.001, 2);

@@ -115,6 +115,35 @@ std::string axisYaml(const char* joint, const DetectorAxis& axis, double explain
          "}\n";
 }
 
+std::string settingsYaml(const DetectorConfig& c) {
+  std::string text = recording::format(
+      "mitigate: %-13s # off | hold: write the last safe command while the alarm lasts | stop: software E-stop\n",
+      kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
+  text += recording::format(
+      "rule: %-17s # published: DSN 2016, one step ahead | departure: the command's predicted effect, and the "
+      "tip's\n",
+      kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
+  text += recording::format("factor: %-15g # [-] [0.01, 100] on all thresholds\n", c.factor);
+  text += recording::format(
+      "memory: %-15g # [s] [0.002, 10] for the mean velocity, which counts as the surgeon's; tuned, "
+      "doc/detector.md\n",
+      c.memory);
+  text += recording::format("braking_time: %-9g # [s] [0.001, 1] assumed duration of the gained velocity; tuned\n",
+                            c.braking_time);
+  text += recording::format(
+      "asked: %-16g # [-] [0, 1] weight of the position error implied by a command within the clip; tuned\n", c.asked);
+  text += recording::format(
+      "persistence: %-10g # [s] [0, 1] assumed duration of a command beyond the robot's clip; tuned\n", c.persistence);
+  text += recording::format(
+      "suspicion: %-12g # [-] [0.01, 100] share of an alarm from which motion is not the surgeon's; tuned\n",
+      c.suspicion);
+  text += recording::format("suspicion_time: %-7g # [s] [0, 1] longest suspicion; tuned\n", c.suspicion_time);
+  text += recording::format(
+      "excursion: %-12g # [m] [0, 0.1] least predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any.\n",
+      c.excursion);
+  return text;
+}
+
 }  // namespace
 
 TrainerConfig studyConfig(const TrainerConfig& config, std::uint64_t seed) {
@@ -165,33 +194,7 @@ std::string detectorYaml(const Learned& learned, const std::string& source) {
       "# Detector of unsafe motor commands (doc/detector.md). learn_detector wrote it from commands and encoders of "
       "fault-free\n"
       "# runs only:\n# " +
-      source + "\n";
-  text += recording::format(
-      "mitigate: %-13s # off | hold: write the last safe command while the alarm lasts | stop: software E-stop\n",
-      kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
-  text += recording::format(
-      "rule: %-17s # published: DSN 2016, one step ahead | departure: the command's predicted effect, and the "
-      "tip's\n",
-      kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
-  text += recording::format("factor: %-15g # [-] [0.01, 100] on all thresholds\n", c.factor);
-  text += recording::format(
-      "memory: %-15g # [s] [0.002, 10] for the mean velocity, which counts as the surgeon's; tuned, "
-      "doc/detector.md\n",
-      c.memory);
-  text += recording::format("braking_time: %-9g # [s] [0.001, 1] assumed duration of the gained velocity; tuned\n",
-                            c.braking_time);
-  text += recording::format(
-      "asked: %-16g # [-] [0, 1] weight of the position error implied by a command within the clip; tuned\n", c.asked);
-  text += recording::format(
-      "persistence: %-10g # [s] [0, 1] assumed duration of a command beyond the robot's clip; tuned\n", c.persistence);
-  text += recording::format(
-      "suspicion: %-12g # [-] [0.01, 100] share of an alarm from which motion is not the surgeon's; tuned\n",
-      c.suspicion);
-  text += recording::format("suspicion_time: %-7g # [s] [0, 1] longest suspicion; tuned\n", c.suspicion_time);
-  text += recording::format(
-      "excursion: %-12g # [m] [0, 0.1] least predicted departure of the tip: the unsafe jump of DSN 2016; 0 = any.\n",
-      c.excursion);
-  text +=
+      source + "\n" + settingsYaml(c) +
       "# Axes: inertia [kg m2] [1e-7, 1], viscous [Nms/rad] [0, 10], coulomb [Nm] [0, 10], offset [Nm] [-10, 10]: "
       "capstan\n"
       "# torque per motor shaft angle, links included. gravity [Nm/rad, Nm/rad, Nm/m] [-100, 100]: change of the "

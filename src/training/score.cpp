@@ -52,13 +52,15 @@ Value judged(const AttemptOutcome& outcome, Mistake mistake, std::uint64_t all) 
   return own ? own : Value(static_cast<double>(all));
 }
 
+constexpr std::initializer_list<Partner> kWalls{Partner::kTower, Partner::kDome, Partner::kPlate, Partner::kOther,
+                                                Partner::kOtherArm};
+
 /** The measured values, by the names of kMetrics, in any order. */
 std::vector<std::pair<std::string, Value>> valuesOf(const MotionMetrics& motion,
                                                     const AttemptOutcome& outcome,
                                                     const Economy& economy) {
   const Touches wires = sum(motion, {Partner::kWire, Partner::kObjectWire});
-  const Touches walls =
-      sum(motion, {Partner::kTower, Partner::kDome, Partner::kPlate, Partner::kOther, Partner::kOtherArm});
+  const Touches walls = sum(motion, kWalls);
   return {
       {"time", motion.duration},
       {"path", (motion.hands[0].path + motion.hands[1].path) * kMillimetres},

@@ -76,6 +76,14 @@ const char* notOffered(ServoKind kind) {
   return kind == ServoKind::kTool ? "a Raven does not look for its tool" : "a Raven cannot";
 }
 
+/** A mode or a stop comes first. */
+const char* notNow(const ServoRefused& r) {
+  if (r.reason == ServoRefusal::kRobotStop) return "the robot is in E-STOP, which is ended at the robot";
+  if (r.reason == ServoRefusal::kOperatorStop) return "an operator stopped the arms; service clear_stop first";
+  return r.in == OperatingState::kFault ? "the model broke down: restart the daemon"
+                                        : "planning, a trial, a replay or the camera comes first (topic mode)";
+}
+
 std::string reason(const ServoRefused& r) {
   switch (r.reason) {
     case ServoRefusal::kNone:
@@ -89,12 +97,9 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kConsole:
       return "the surgeon's console has the pedal down";
     case ServoRefusal::kMode:
-      return r.in == OperatingState::kFault ? "the model broke down: restart the daemon"
-                                            : "planning, a trial, a replay or the camera comes first (topic mode)";
     case ServoRefusal::kRobotStop:
-      return "the robot is in E-STOP, which is ended at the robot";
     case ServoRefusal::kOperatorStop:
-      return "an operator stopped the arms; service clear_stop first";
+      return notNow(r);
     case ServoRefusal::kNotFinite:
       return "a number is NaN or infinite, or a quaternion is no rotation";
     case ServoRefusal::kOutOfRange:
