@@ -40,6 +40,24 @@ STILL, STILL_TURN = 0.1e-3, math.radians(0.1)  # m, rad
 SAME = 1e-5  # m: the set point is still
 
 
+ONE_TWIST = """
+import sys
+import rospy
+from geometry_msgs.msg import TwistStamped
+
+rospy.init_node("one_twist")
+publisher = rospy.Publisher(sys.argv[1], TwistStamped, queue_size=10)
+while publisher.get_num_connections() == 0:
+    rospy.sleep(0.01)
+
+twist = TwistStamped()
+twist.twist.linear.z = 2e-3
+publisher.publish(twist)
+print("sent", flush=True)
+rospy.spin()
+"""
+
+
 def until(condition, seconds, words):
     """Polls. @return what `condition` gave, once it is true."""
     deadline = time.monotonic() + seconds
@@ -644,18 +662,16 @@ class Crtk(unittest.TestCase):
         self.assertEqual(said, [])
 
     def test_15c_a_twist_ends_with_its_client(self):
+        """The client is killed. This process goes on as another publisher of servo_cv."""
         arm = self.arms[0]
-        for connection in arm.publishers_of("servo_cv"):  # the other publisher of servo_cv
-            connection.unregister()
-        client = rospy.Publisher(f"{arm.name}/servo_cv", TwistStamped, queue_size=10)
-        until(lambda: client.get_num_connections() > 0, 5, "the daemon")
-        twist = TwistStamped()
-        twist.twist.linear.z = 2e-3
-        client.publish(twist)
-        time.sleep(0.5)
-        client.unregister()
+        start = arm.pose()
+        with subprocess.Popen([sys.executable, "-c", ONE_TWIST, f"{arm.name}/servo_cv"], stdout=subprocess.PIPE, text=True) as client:
+            client.stdout.readline()
+            time.sleep(0.5)
+            client.kill()
         time.sleep(1.0)
         before = arm.pose()
+        self.assertGreater(distance(start, before), 0.5e-3, "it has moved")
         time.sleep(0.5)
         self.assertLess(distance(before, arm.pose()), SAME, "the arm stops long before the twist's time-out")
         arm.command("disable")

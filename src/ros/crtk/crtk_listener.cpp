@@ -5,12 +5,14 @@
 #include <std_msgs/Empty.h>
 #include <std_msgs/Float64.h>
 
-#include <algorithm>
 #include <memory>
+#include <numeric>
+#include <set>
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
 #include "ros/crtk/crtk_messages.h"
+#include "ros/node/registration.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -18,7 +20,7 @@ namespace {
 constexpr std::uint32_t kNewest = 1;    // [messages] servo commands take each other's place
 constexpr std::uint32_t kEvery = 100;   // [messages] of those that add up, 0.1 s of the fastest client
 constexpr std::uint32_t kOrdered = 10;  // [messages] moves and state commands
-constexpr double kLeaving = 0.1;        // [s] between two looks whether those who said a twist are still there
+constexpr double kLeaving = 0.1;        // [s] between two looks whether the clients of a twist are still there
 
 std::uint32_t queueOf(ServoKind kind) {
   switch (kind) {
@@ -150,12 +152,28 @@ void CrtkListener::hearSettings() {
     });
 }
 
-/** A client that is gone cannot stop its twist. */
+std::size_t CrtkListener::publishersOfTimed() const {
+  return std::accumulate(timed_.begin(), timed_.end(), std::size_t{0},
+                         [this](std::size_t sum, std::size_t i) { return sum + subscribers_[i].getNumPublishers(); });
+}
+
+/** A command that lasts until its time-out came, from one of the nodes that publish such topics now. */
+void CrtkListener::watchClients() {
+  const std::size_t publishers = publishersOfTimed();
+  if (goes_on_ && publishers == publishers_) return;
+  std::set<std::string> topics;
+  for (const std::size_t i : timed_)
+    topics.insert(subscribers_[i].getTopic());
+  clients_.watch(publishersOf(topics));
+  publishers_ = publishers;
+  goes_on_ = true;
+}
+
+/** A client that is gone cannot stop its twist. roscpp does not say whose a message was, so each that goes ends it. */
 void CrtkListener::endLeftTwists() {
-  if (!goes_on_) return;
-  const auto isThere = [this](std::size_t i) { return subscribers_[i].getNumPublishers() > 0; };
-  if (std::any_of(timed_.begin(), timed_.end(), isThere)) return;
+  if (!goes_on_ || (publishersOfTimed() >= publishers_ && !clients_.hasLost(net::monotonicNow()))) return;
   goes_on_ = false;
+  clients_.watch({});
   take("left", readNumber(arm_, ServoKind::kEndTwist, 0.0));
 }
 
@@ -243,7 +261,7 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
-  if (asked.command && isTimed(asked.command->kind)) goes_on_ = true;
+  if (asked.command && isTimed(asked.command->kind)) watchClients();
   const std::string refusal = inbox_.take(asked);
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }

@@ -11,6 +11,7 @@
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_age.h"
+#include "ros/crtk/crtk_clients.h"
 #include "ros/crtk/crtk_inbox.h"
 #include "ros/crtk/crtk_voice.h"
 
@@ -50,6 +51,8 @@ class CrtkListener {
   void hearForces();
   void hearWrench(const std::string& prefix, const CrtkFrame& frame, WrenchFrame where);
   void hearSettings();
+  std::size_t publishersOfTimed() const;
+  void watchClients();
   void endLeftTwists();
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
@@ -69,7 +72,9 @@ class CrtkListener {
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
   std::vector<std::size_t> timed_;  ///< of them: what goes on until its time-out
-  bool goes_on_{false};             ///< one of those was heard, and somebody may still say it
+  bool goes_on_{false};             ///< one of those was heard, and all that may have sent it are there
+  std::size_t publishers_{0};       ///< of those topics, when it was heard
+  CrtkClients clients_;             ///< those publishers
   bool is_absolute_{false};         ///< body/servo_cf is along the axes of `world`
   ros::WallTimer timer_;
 };

@@ -119,6 +119,17 @@ std::string rival() {
   return call(host, port, "getPid", {Value(ros::this_node::getName())}) ? uri : "";
 }
 
+std::set<std::string> publishersOf(const std::set<std::string>& topics) {
+  std::set<std::string> found;
+  std::optional<Value> connections = callSelf("getBusInfo");  // each: number, address, direction, transport, topic, ...
+  for (int k = 0; connections && k < connections->size(); ++k) {
+    Value& one = (*connections)[k];
+    const bool is_received = std::string(one[2]) == "i" && topics.count(std::string(one[4])) > 0;
+    if (is_received) found.insert(std::string(one[1]));
+  }
+  return found;
+}
+
 bool registerAll(const std::vector<std::string>& services) {
   try {
     return registerTopics() && registerSubscriptions() && registerServices(services);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -8,7 +9,7 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** This node in the eyes of the master, by calls that give up. After ros::init(). */
+/** This node, as the master and its slave API see it, by calls that give up. After ros::init(). */
 
 /** Process id of the master; 0 if none answers. @param[in] patience [s] for its answer. */
 int masterPid(double patience = kPatience);
@@ -18,6 +19,9 @@ std::optional<bool> isRegistered();
 
 /** URI of another living node with this node's name; empty without one. */
 std::string rival();
+
+/** XML-RPC addresses of the nodes from which this node receives these topics (resolved names). */
+std::set<std::string> publishersOf(const std::set<std::string>& topics);
 
 /** Registers all topics and subscriptions of this node, and `services`, with the master. @return false if a call got no
  * answer.
