@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -33,7 +34,9 @@ class FinishSession : public ::testing::Test {
   FinishSession& operator=(const FinishSession&) = delete;
 
   session::SessionPaths record(const config::TrainingNames& training, const std::string& name = "session") const {
-    TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training);
+    return record(config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", training), name);
+  }
+  session::SessionPaths record(TrainerConfig config, const std::string& name) const {
     raven2_trainer::testing::homeQuickly(&config);
     const session::SessionPaths paths = session::createSessionDirectory((folder_ / name).string());
     lockstep::Lockstep lockstep(config, console::makeMotion(config, "scripted"), paths, "scripted");
@@ -68,6 +71,29 @@ TEST_F(FinishSession, ScoresAnExerciseOnceAndForAll) {
   ASSERT_EQ(sessions.size(), 1u);
   EXPECT_EQ(sessions[0]["trainee"], "ann");
   EXPECT_EQ(sessions[0]["directory"], "session");
+}
+
+/** The lenses of config/render.yaml are 0.8 rad (endoscope) and 0.6 rad (overview and the last camera). The movable
+ *  camera looks down so that the tips at home are 0.35 rad above its axis. The log names the camera, so only the
+ *  endoscope sees them. */
+TEST_F(FinishSession, TipsAreLookedForWithTheLensOfTheCameraThatTheLogNames) {
+  for (const auto& [name, sees_tips] : {std::pair("endoscope", true), {"overview", false}}) {
+    TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
+                                                     {"camera_clutch", "none", "", "none"});
+    std::vector<CameraConfig>& cameras = config.render.cameras;
+    const auto named = [&](const char* wanted) {
+      return std::find_if(cameras.begin(), cameras.end(), [&](const CameraConfig& c) { return c.name == wanted; });
+    };
+    named("endoscope")->eye_W = {-0.3, 0.0, 0.062};
+    named("endoscope")->target_W = {0.0, 0.0, -0.05};
+    std::iter_swap(cameras.begin(), named(name));  // the log's header names the first
+    const ScoredSession scored = scoreRecorded(record(config, name).directory, {});
+    ASSERT_EQ(scored.score.attempts.size(), 1U);
+    const auto hidden = scored.score.attempts[0].motion.out_of_view;
+    ASSERT_TRUE(hidden.has_value());
+    EXPECT_EQ(*hidden > 0.1, !sees_tips) << name << ": " << *hidden;
+    EXPECT_EQ(*hidden == 0.0, sees_tips) << name << ": " << *hidden;
+  }
 }
 
 TEST_F(FinishSession, OfNobodyIsInNoIndex) {
