@@ -326,6 +326,24 @@ TEST_F(LoadExercise, WrongTracksAreRefused) {
   expectRefused(kGood.substr(0, begin) + kGood.substr(end), 13, "tracks is missing");
 }
 
+/** Each track is within the limit of one list, so only the sum can be too large. */
+TEST_F(LoadExercise, StepsOfAllTracksTogetherHaveALimit) {
+  const auto tracksOf = [](const std::vector<int>& counts) {
+    std::string tracks;
+    for (const int count : counts) {
+      tracks += "  - name: t" + std::to_string(tracks.size()) + "\n    steps:\n";
+      for (int i = 0; i < count; ++i)
+        tracks += "      - {name: s" + std::to_string(i) + ", until: [{in_view: far, within: 1}], dwell: 0}\n";
+    }
+    const std::size_t begin = kGood.find("  - name: first"), end = kGood.find("watch:");
+    return kGood.substr(0, begin) + tracks + kGood.substr(end);
+  };
+  for (const std::vector<int>& counts : {std::vector<int>{24, 25}, {48, 1}, {16, 16, 17}})
+    expectRefused(tracksOf(counts), 13, "have 49 steps together, expected at most 48");
+  for (const std::vector<int>& counts : {std::vector<int>{24, 24}, {47, 1}, {16, 16, 16}})
+    EXPECT_EQ(load(tracksOf(counts)).tracks.size(), counts.size());
+}
+
 TEST_F(LoadExercise, WrongPredicatesAreRefused) {
   expectRefused(with("{lifted: true}", "{liftd: true}"), 16, "holds none of: held, held_alone");
   expectRefused(with("{lifted: true}", "{lifted: true, resting: true}"), 16, "holds more than one of");
