@@ -75,6 +75,24 @@ TEST(ExecutionTally, ATipThatIsNoPlaceIsWorseThanAny) {
   }
 }
 
+/** Behind the path's end its last point is the tip's place on the path, and errors from there count as before. */
+TEST(ExecutionTally, TheHoldBehindThePathsEndCounts) {
+  ExecutionTally tally;
+  tally.start(70, plan(), /*on_robot=*/true);
+  tally.begin(1000);
+  tally.add(sample(0.012, 0.0001, 0.001));  // under way: model 0.5 mm, robot 1 mm off the path
+  tally.add(sample(0.0, 0.0004, 0.005));    // at the goal: 2 mm, 5 mm
+  EXPECT_NEAR(tally.deviation(), 0.005, 1e-15);
+  tally.add(sample(0.0, 0.0001, 0.0));  // 0.5 mm, 0 mm
+  const ExecutionReport report = tally.finish(ExecutionEnd::kFinished, 1003, 1.0);
+  EXPECT_NEAR(report.model.mean, 1e-3, 1e-15);
+  EXPECT_NEAR(report.model.largest, 2e-3, 1e-15);
+  EXPECT_NEAR(report.model.at_end, 0.5e-3, 1e-15);
+  EXPECT_NEAR(report.robot.mean, 2e-3, 1e-15);
+  EXPECT_NEAR(report.robot.largest, 5e-3, 1e-15);
+  EXPECT_EQ(report.robot.at_end, 0.0);
+}
+
 TEST(ExecutionTally, LeavesOutARobotThatDoesNotMove) {
   ExecutionTally tally;
   tally.start(1, plan(), /*on_robot=*/false);

@@ -619,6 +619,28 @@ TEST_F(Execution, ARobotHeldBackEndsItOffThePath) {
   EXPECT_EQ(rig->last_relay.command.pedal, 0);
 }
 
+/** The path is over, and both arms hold at the goal until they rest. The error there counts as on the path. */
+TEST_F(Execution, ARobotPushedAwayBehindThePathsEndEndsItOffThePath) {
+  arm(/*on_robot=*/true);
+  for (int i = 0; i < 10000 && planning().progress < 1.0; ++i)
+    rig->tick(true);
+  const double limit = rig->config.execution.deviation_limit;
+  RobotState pushed = rig->robot();
+  for (const double off : {0.95 * limit, 1.05 * limit}) {
+    ASSERT_EQ(rig->model().mode, Mode::kExecuting) << off;
+    pushed.arms[0].q = goal();
+    pushed.arms[0].q[kInsertion] += off;
+    pushed.arms[0].dq = {};
+    for (int i = 0; i < 10 && rig->model().mode == Mode::kExecuting; ++i)
+      tickWith(&pushed, true);
+  }
+  EXPECT_EQ(report().end, ExecutionEnd::kOffPath);
+  EXPECT_EQ(report().progress, 1.0);
+  EXPECT_NEAR(report().robot.largest, 1.05 * limit, 1e-6);
+  EXPECT_NEAR(report().robot.at_end, 1.05 * limit, 1e-6);
+  EXPECT_LT(report().model.largest, 0.8 * limit) << "the model stays on the path";
+}
+
 // ---- choosing ----------------------------------------------------------------------------------------------------
 
 TEST_F(Execution, TheGoalIsChosenOnTheModelAloneThroughEverything) {
