@@ -142,6 +142,23 @@ def test_an_angular_velocity_is_what_turns_one_attitude_into_the_other():
     assert jigsaws.angular_velocity(np.eye(3)[None], np.eye(3)[None], np.array([0.01]))[0].tolist() == [0.0, 0.0, 0.0]
 
 
+def test_next_to_a_gap_of_the_log_rows_are_ticks_with_their_true_velocity():
+    """Records that were lost leave a gap. Its frames are the nearer of its ends, and a velocity is over the true time."""
+    ms = np.append(np.arange(38), np.arange(165, 300))
+    model = np.zeros(len(ms), [("tick", int), ("master_I", float, (2, 3)), ("arms", [
+        ("p_BT", float, 3), ("q_BT", float, 4), ("v_BT", float, 3), ("q", float, 7), ("q_d", float, 7)], 2)])
+    model["tick"], model["arms"]["q_BT"] = 7000 + ms, [0, 0, 0, 1]
+    model["master_I"][:, :, 0] = model["arms"]["p_BT"][:, :, 0] = 1e-4 * ms[:, None]  # 0.1 m/s
+    model["arms"]["q_BT"][:, 0, 2], model["arms"]["q_BT"][:, 0, 3] = np.sin(1e-3 * ms), np.cos(1e-3 * ms)  # 2 rad/s
+    log = types.SimpleNamespace(header={"motion_scale": 0.5}, commands=np.zeros(0))
+    table = jigsaws.kinematics(log, types.SimpleNamespace(t=ms / 1000, ticks={"model": model}), 2 * [(np.eye(3), np.zeros(3))])
+    rows = [0, 33, 37, 37, 165, 167, 200, 233, 267]  # the gap's middle is at 101 ms
+    assert table[:, 38] == pytest.approx(1e-4 * np.array(rows)) and table[:, 0] == pytest.approx(2e-4 * np.array(rows))
+    for hand in (0, 19):
+        assert table[:, hand + 12] == pytest.approx(np.full(9, 0.2))
+    assert table[:, 38 + 17] == pytest.approx(np.full(9, 2.0))
+
+
 def test_labels_are_the_exercise_s_steps_in_frames_from_one(tmp_path):
     folder = made.make(tmp_path / "s")
     from raven2_figures import Series

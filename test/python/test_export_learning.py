@@ -152,6 +152,63 @@ def test_each_of_two_hazards_of_a_kind_has_its_own_response(monkeypatch):
         assert episode_with([fault])._response(fault, first + 500) == (reaction, "stop")
 
 
+def episode_of_ticks(times, faults=(), pedal=1, linked=1, fresh=1):
+    """An episode of these session ticks [ms]. The tips of model and robot are 3 mm (gold) and 4 mm (green) apart."""
+    arms = [("arms", [("p_BT", float, 3)], 2)]
+    ticks = np.zeros(len(times), [("model", [("session_tick", int), ("pedal", int), ("linked", int), ("robot_fresh", int), *arms]),
+                                  ("robot", arms)])
+    model = ticks["model"]
+    model["session_tick"], model["pedal"], model["linked"], model["robot_fresh"] = times, pedal, linked, fresh
+    ticks["robot"]["arms"]["p_BT"][:, :, 1] = [0.003, 0.004]
+    made = episode_with(list(faults))
+    made.fps, made._ticks, made._times = 100, ticks, model["session_tick"]
+    made._frames = made._frame_ticks()
+    made.length = len(made._frames)
+    made._force = np.zeros((made.length, 2, 3))
+    return made
+
+
+@pytest.mark.parametrize("linked, fresh", [(1, 0), (0, 1), (0, 0)])
+def test_without_a_common_pose_there_is_no_error(linked, fresh):
+    """A robot that is not heard any more keeps its last pose in the log."""
+    times = np.arange(100)
+    apart = (times >= 35) & (times < 65)
+    error = episode_of_ticks(times, linked=np.where(apart, linked, 1), fresh=np.where(apart, fresh, 1))._truth()["truth.error"]
+    assert (error[[0, 1, 2, 3, 7, 8, 9]] == [0.003, 0.004]).all() and (error[[4, 5, 6]] == 0).all()
+
+
+FAULT = {"name": "sudden_jump", "first_tick": 205, "last_tick": 255, "end_tick": 505}
+
+
+def responses(fault, pedal, monkeypatch, score):
+    monkeypatch.setattr(episode.facts, "load_score", lambda _: (score, None))
+    return episode_of_ticks(np.arange(1000), [fault], pedal)._truth()["truth.response"]
+
+
+def test_a_response_of_the_score_is_there_from_its_time_behind_the_injection(monkeypatch):
+    """doc/scores.md: `after_ms` is from the injection, not from the cue or the first tick that the daemon knew of."""
+    judged = {"scenario": "sudden_jump", "injection_tick": 200, "force_after_ms": 40, "cue_after_ms": 70,
+              "reaction": {"response": "hold_still", "after_ms": 250}}
+    found = responses(FAULT, 1, monkeypatch, {"hazards": [judged]})
+    assert found == 45 * ["none"] + 6 * ["hold_still"] + 49 * ["none"]
+
+
+@pytest.mark.parametrize("ups, first", [([(100, 200), (300, 400)], 30), ([(150, 700)], 21), ([(100, 200), (600, 700)], None)])
+def test_without_a_score_the_response_is_the_first_pedal_up_between_the_hazards_begin_and_end(ups, first, monkeypatch):
+    times = np.arange(1000)
+    pedal = 1 - sum(((times >= a) & (times < b)).astype(int) for a, b in ups)
+    found = responses(FAULT, pedal, monkeypatch, {})
+    assert [i for i, response in enumerate(found) if response == "pedal_up"] == ([] if first is None else list(range(first, 51)))
+    assert set(found) <= {"none", "pedal_up"}
+
+
+def test_frames_in_a_gap_of_the_log_are_the_newest_tick_before_it():
+    """Records that were lost leave a gap. Its frames keep their times, and nothing is made up between its ends."""
+    times = np.append(np.arange(35), np.arange(78, 100))
+    made = episode_of_ticks(times)
+    assert times[made._frames].tolist() == [0, 10, 20, 30, 34, 34, 34, 34, 80, 90]
+
+
 def test_a_turn_is_the_same_by_the_quaternion_of_the_other_sign():
     q = np.array([[0.0, 0.6, 0.0, 0.8], [0.1, 0.0, 0.0, np.sqrt(0.99)]])
     turn = episode._rotation_vector(q)
