@@ -8,43 +8,84 @@
 namespace raven2_trainer::loop {
 namespace {
 
-/** The report on a trial of still arms whose repetition has arm `off` a millimetre away and `touching` in contact. */
-ExecutionReport reportOf(Arm off, Arm touching) {
-  raven2_trainer::testing::useOde();
-  const TrainerConfig config = raven2_trainer::testing::packagedConfig();
-  const auto shared = std::make_unique<SharedState>();
-  Answers answers(shared.get());
-  TrialStore store(config, model::loadRavenModel(config), model::loadSceneModel(config), &answers, shared.get(), 1.0);
+/** The repetition of a trial of still arms, from its pedal-down on. */
+class StillTrial {
+ public:
+  StillTrial() {
+    for (const Arm arm : kArms) {
+      at(model.arms, arm).q = at(model.arms, arm).q_d = home();
+      at(model.arms, arm).p_BT = toArray(kinematics::forward(config_.arms.geometry, arm, home()).p);
+    }
+    store_.open({home(), home()});
+    for (int i = 0; i < 100; ++i)
+      store_.keep(model.arms);
+    store_.arm({});
+    store_.begin(store_.start(), 0);
+  }
+
+  ExecutionEnd tick() {
+    store_.advance(true);
+    return store_.supervise(model, {});
+  }
+
+  ExecutionReport report() {
+    store_.end(ExecutionEnd::kCancelled, 10);
+    ExecutionRecord record;
+    EXPECT_TRUE(shared_->execution_records.tryPop(&record));
+    return record.report;
+  }
+
+  double progress() const { return store_.overlay({}).progress; }
+  const ExecutionConfig& limits() const { return config_.execution; }
+
   ModelState model;
-  for (const Arm arm : kArms) {
-    at(model.arms, arm).q = at(model.arms, arm).q_d = config.arms.geometry.home;
-    at(model.arms, arm).p_BT = toArray(kinematics::forward(config.arms.geometry, arm, config.arms.geometry.home).p);
+
+ private:
+  const JointArray& home() const { return config_.arms.geometry.home; }
+
+  static TrainerConfig configuration() {
+    raven2_trainer::testing::useOde();
+    return raven2_trainer::testing::packagedConfig();
   }
-  store.open({config.arms.geometry.home, config.arms.geometry.home});
-  for (int i = 0; i < 100; ++i)
-    store.keep(model.arms);
-  store.arm({});
-  store.begin(store.start(), 0);
-  at(model.arms, off).p_BT[0] += 1e-3;
-  at(model.arms, touching).contacts = 2;
-  for (int i = 0; i < 10; ++i) {
-    store.advance(true);
-    store.supervise(model, {});
-  }
-  store.end(ExecutionEnd::kCancelled, 10);
-  ExecutionRecord record;
-  EXPECT_TRUE(shared->execution_records.tryPop(&record));
-  return record.report;
-}
+
+  const TrainerConfig config_{configuration()};
+  const std::unique_ptr<SharedState> shared_{std::make_unique<SharedState>()};
+  Answers answers_{shared_.get()};
+  TrialStore store_{config_, model::loadRavenModel(config_), model::loadSceneModel(config_), &answers_, shared_.get(),
+                    1.0};
+};
 
 TEST(TrialStore, ContactsOfEitherArmCountWhicheverIsFartherOff) {
   for (const Arm off : kArms) {
     for (const Arm touching : kArms) {
-      const ExecutionReport report = reportOf(off, touching);
+      StillTrial trial;
+      at(trial.model.arms, off).p_BT[0] += 1e-3;
+      at(trial.model.arms, touching).contacts = 2;
+      for (int i = 0; i < 10; ++i)
+        trial.tick();
+      const ExecutionReport report = trial.report();
       EXPECT_EQ(report.contact_ticks, 10U) << index(off) << index(touching);
       EXPECT_EQ(report.contact_points, 2U);
       EXPECT_NEAR(report.model.largest, 1e-3, 1e-9);
     }
+  }
+}
+
+/** Behind the tape's end both arms hold until they rest. The error there counts as under way. */
+TEST(TrialStore, AnArmPushedAwayBehindTheTapesEndIsOffThePath) {
+  for (const Arm arm : kArms) {
+    StillTrial trial;
+    ArmState& pushed = at(trial.model.arms, arm);
+    pushed.v_BT[1] = 2.0 * trial.limits().settle_speed;
+    for (int i = 0; i < 1000 && trial.progress() < 1.0; ++i)
+      ASSERT_EQ(trial.tick(), ExecutionEnd::kNone) << i;
+    ASSERT_EQ(trial.progress(), 1.0);
+    const double limit = trial.limits().deviation_limit, before = pushed.p_BT[0];
+    pushed.p_BT[0] = before + 0.95 * limit;
+    EXPECT_EQ(trial.tick(), ExecutionEnd::kNone) << index(arm);
+    pushed.p_BT[0] = before + 1.05 * limit;
+    EXPECT_EQ(trial.tick(), ExecutionEnd::kOffPath) << index(arm);
+    EXPECT_NEAR(trial.report().model.largest, 1.05 * limit, 1e-9);
   }
 }
 
