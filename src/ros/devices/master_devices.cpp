@@ -16,6 +16,7 @@
 #include <thread>
 #include <utility>
 
+#include "ros/devices/force_messages.h"
 #include "ros/devices/force_readers.h"
 #include "ros/devices/master_device_messages.h"
 #include "ros/devices/master_device_reader.h"
@@ -46,14 +47,6 @@ double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
 }
 
-geometry_msgs::Vector3 toMessage(const Vec3& v) {
-  geometry_msgs::Vector3 m;
-  m.x = v[0];
-  m.y = v[1];
-  m.z = v[2];
-  return m;
-}
-
 /** Nodes that read a topic, by name. Connections come and go on the spinner's thread. */
 class Readers {
  public:
@@ -78,25 +71,6 @@ class Readers {
   std::vector<std::string> names_;
 };
 
-// `position`: a driver that locks the device locks it where it is, and does not pull.
-
-void fill(const DeviceForce& out, const std::string& /*frame*/, devices::OmniFeedback* message) {
-  message->force = toMessage(out.force);
-  message->position = toMessage(out.position);
-}
-
-void fill(const DeviceForce& out, const std::string& /*frame*/, devices::DeviceFeedback* message) {
-  message->force = toMessage(out.force);
-  message->position = toMessage(out.position);
-  message->lock.assign(3, 0);
-}
-
-void fill(const DeviceForce& out, const std::string& frame, geometry_msgs::WrenchStamped* message) {
-  message->header.stamp = ros::Time::now();
-  message->header.frame_id = frame;
-  message->wrench.force = toMessage(out.force);
-}
-
 template <typename Force>
 ros::Publisher advertise(ros::NodeHandle* node, const std::string& topic, Readers* readers) {
   const auto add = [readers](const ros::SingleSubscriberPublisher& reader) {
@@ -119,7 +93,7 @@ template <typename Message>
 constexpr ForceForm formOf() {
   return {&advertise<Message>, [](const ros::Publisher& publisher, const DeviceForce& out, const std::string& frame) {
             Message message;
-            fill(out, frame, &message);
+            devices::fill(out, frame, &message);
             publisher.publish(message);
           }};
 }

@@ -11,6 +11,7 @@
 
 #include "raven2_trainer/config/load_master.h"
 #include "ros/crtk/crtk_messages.h"
+#include "ros/devices/force_messages.h"
 #include "ros/devices/force_readers.h"
 #include "ros/devices/master_device_messages.h"
 #include "ros/devices/master_device_reader.h"
@@ -114,6 +115,30 @@ TEST(DeviceMessages, APublishersHeaderCarriesTheWholeText) {
   EXPECT_EQ(text.find("geometry_msgs/Vector3  force\n"), 0U);
   EXPECT_NE(text.find("\nMSG: geometry_msgs/Vector3\n"), std::string::npos);
   EXPECT_NE(text.find("float64 z"), std::string::npos);
+}
+
+/** The console has turned them to the device's axes and the driver's units (toDevice). A device that is locked stays
+ *  where it is. */
+TEST(DeviceMessages, ForcesAndPlacesGoOutAsTheyAre) {
+  ros::Time::init();
+  const Vec3 force{0.5, -1.25, 3.0}, position{-12.0, 34.0, 56.5};
+  const DeviceForce out{force, position, /*is_placed=*/1, /*has_begun=*/1};
+  const auto of = [](const geometry_msgs::Vector3& v) { return Vec3{v.x, v.y, v.z}; };
+  devices::OmniFeedback omni;
+  devices::fill(out, "base", &omni);
+  EXPECT_EQ(of(omni.force), force);
+  EXPECT_EQ(of(omni.position), position);
+  devices::DeviceFeedback geomagic;
+  devices::fill(out, "base", &geomagic);
+  EXPECT_EQ(of(geomagic.force), force);
+  EXPECT_EQ(of(geomagic.position), position);
+  EXPECT_EQ(geomagic.lock, (std::vector<std::uint8_t>{0, 0, 0}));
+  geometry_msgs::WrenchStamped crtk;
+  devices::fill(out, "base", &crtk);
+  EXPECT_EQ(of(crtk.wrench.force), force);
+  EXPECT_EQ(of(crtk.wrench.torque), (Vec3{0.0, 0.0, 0.0}));
+  EXPECT_EQ(crtk.header.frame_id, "base");
+  EXPECT_FALSE(crtk.header.stamp.isZero());
 }
 
 TEST(DeviceReader, ReadsAnOmnisStateAndButtonsUnderAnyPackagesName) {
