@@ -51,6 +51,19 @@ def test_the_planned_motion_begins_and_ends_where_its_track_does(series):
     assert np.linalg.norm(motion["plan"][0] - motion["plan"][-1]) > 1e-2, "the planned motion is long"
 
 
+@pytest.mark.parametrize("part, field", [("model", "robot_fresh"), ("model", "linked"), ("robot", "frame")])
+def test_without_a_fresh_linked_robot_there_is_no_error(part, field, directory, series):
+    """A robot that is not heard any more keeps its last pose in the log."""
+    session = raven2_session.Session(directory)
+    session.log.ticks = session.log.ticks.copy()
+    before = int(np.argmax(session.log.ticks["model"]["session_tick"] >= 0))
+    lost = np.flatnonzero(np.isfinite(series.error_mm[:, 0]))[1000:1500]
+    session.log.ticks[part][field][before + lost] = 0
+    expected = series.error_mm.copy()
+    expected[lost] = np.nan
+    assert np.array_equal(raven2_figures.Series(session).error_mm, expected, equal_nan=True)
+
+
 def test_a_session_with_a_plan_has_its_figure(directory, tmp_path):
     done = forked.run(ROOT / "scripts/plot_session", directory, "--output", tmp_path)
     assert done.returncode == 0, done.stderr
