@@ -1,9 +1,7 @@
 #include "raven2_trainer/config/trainer_config.h"
 
 namespace raven2_trainer {
-namespace {
 
-/** The one through which the surgeon looks. */
 const CameraConfig& liveCamera(const RenderConfig& render) {
   for (const CameraConfig& camera : render.cameras) {
     if (camera.name == render.live_camera) return camera;
@@ -11,8 +9,6 @@ const CameraConfig& liveCamera(const RenderConfig& render) {
   static const CameraConfig kNone;
   return render.cameras.empty() ? kNone : render.cameras.front();
 }
-
-}  // namespace
 
 TrainerConfig::operator model::ModelSource() const {
   return {arms, roles, robot_urdf, scene_urdf};

@@ -46,8 +46,8 @@ training::MotionSettings motionSettings(const TrainerConfig& config, const sessi
   for (const CameraConfig& camera : config.render.cameras) {
     if (camera.name == header.camera.name) settings.camera = camera;
   }
-  settings.image_width = config.render.video_width;
-  settings.image_height = config.render.video_height;
+  settings.image_width = config.render.live_width;
+  settings.image_height = config.render.live_height;
   if (header.motion_scale > 0.0) settings.motion_scale = header.motion_scale;
   settings.force_limit = forceLimit(config.exercise, settings.force_limit);
   return settings;

@@ -77,8 +77,8 @@ std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
 /** The camera that the metric out_of_view asks for (config/render.yaml: the first). */
 session::HeaderCamera scoredCamera(const RenderConfig& render) {
   if (render.cameras.empty()) return {};
-  const CameraConfig& first = render.cameras.front();
-  return {first.name, first.vertical_fov, 1.0 * render.video_width / render.video_height};
+  const CameraConfig& camera = liveCamera(render);
+  return {camera.name, camera.vertical_fov, 1.0 * render.live_width / render.live_height};
 }
 
 void describeTraining(const TrainerConfig& config, session::LogHeader* header) {

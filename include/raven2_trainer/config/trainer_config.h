@@ -77,4 +77,7 @@ struct TrainerConfig {
   operator loop::LoopConfig() && = delete;
 };
 
+/** The camera through which the surgeon looks; ModelState::camera is its pose. */
+const CameraConfig& liveCamera(const RenderConfig& render);
+
 }  // namespace raven2_trainer

@@ -199,9 +199,9 @@ TEST_F(RecorderTest, DescribesInTheHeaderWhatIsTrained) {
   EXPECT_EQ(header.hand.mass, config.console.hand_mass);
   EXPECT_EQ(header.hand.stiffness, config.console.hand_stiffness);
   EXPECT_EQ(header.hand.damping, config.console.hand_damping);
-  EXPECT_EQ(header.camera.name, config.render.cameras.front().name);
+  EXPECT_EQ(header.camera.name, config.render.live_camera);
   EXPECT_GT(header.camera.vertical_fov, 0.0);
-  EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.video_height, config.render.video_width);
+  EXPECT_DOUBLE_EQ(header.camera.aspect * config.render.live_height, config.render.live_width);
 }
 
 /** Resimulation, scores and videos read the session's copy: it holds what ran, so its hashes differ from the files'. */
