@@ -267,6 +267,9 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
   EXPECT_EQ(crtk.dialect, CrtkDialect::kModern);
   EXPECT_EQ(crtk.period, 0.00195);
   EXPECT_EQ(crtk.twist_timeout, 15.0);
+  replace("crtk.yaml", "\ndialect: modern ", "\ndialect: raven ");
+  EXPECT_EQ(loadTrainerConfig(root()).crtk.twist_timeout, 0.1) << "its clients end without a zero twist";
+  replace("crtk.yaml", "\ndialect: raven ", "\ndialect: modern ");
   const std::vector<std::array<std::string, 3>> wrong{
       {"max_speed: 0.1 ", "max_speed: 0 ", "max_speed is 0, expected [0.001, 1]"},
       {"move_speed: 0.04 ", "move_speed: 0.11 ", "move_speed is 0.11, expected [0.001, 0.1]"},
@@ -288,6 +291,16 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
   }
   replace("crtk.yaml", "\nrelease_after: 120.0 ", "\nrelease_after: 0 ");
   EXPECT_EQ(loadTrainerConfig(root()).crtk.release_after, 0.0);
+}
+
+TEST_F(LoadConfig, AProfileForLooseStreamsIsRefusedWithSignedPackets) {
+  replace("network.yaml", "\nstream: none ", "\nstream: dv_trainer ");
+  EXPECT_TRUE(loadTrainerConfig(root()).network.itp.stream.is_on);
+  for (const char* auth : {"accept_both", "required"}) {
+    replace("network.yaml", "\nauth: [^ ]+ ", std::string("\nauth: \"") + auth + "\" ");
+    EXPECT_NE(message().find("what is signed is proper ITP"), std::string::npos) << auth << ": " << message();
+    EXPECT_NE(message().find("network.yaml:"), std::string::npos) << message();
+  }
 }
 
 TEST_F(LoadConfig, WrongTypesAreRefused) {
