@@ -332,7 +332,14 @@ function showProgress(message) {
       byId("video-link").href = `/sessions/${message.session}/video.mp4`;
     }
   }
+  if (message.session !== shown && message.what === "video") sayVideo(message);
   if (done) refreshTab();
+}
+
+// Of a session in the list, whose progress has no other place.
+function sayVideo({ session, share, text }) {
+  say({ ok: share !== null, text: share === null ? `The video of ${session} failed: ${text}`
+    : share === 1 ? `The video of ${session} is ready.` : `Video of ${session}: ${Math.round(100 * share)} %` });
 }
 
 const TABS = ["result", "history", "class", "sessions"];
