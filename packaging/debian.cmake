@@ -22,6 +22,7 @@ install(FILES ${CMAKE_BINARY_DIR}/changelog.gz DESTINATION ${DOC_FOLDER})
 execute_process(COMMAND ${CMAKE_SOURCE_DIR}/scripts/install_dependencies --list run
                 OUTPUT_VARIABLE run_packages OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX REPLACE "[ \n]+" ", " run_packages "${run_packages}")
+string(REPLACE "libosmesa6" "libosmesa6 | libegl1" run_packages "${run_packages}")  # either draws
 
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME raven2-trainer)

@@ -27,6 +27,18 @@ def test_the_list_of_packages_is_that_of_its_kinds():
     assert all(re.fullmatch(r"[a-z0-9][a-z0-9+.-]+", name) for name in packages())
 
 
+@pytest.mark.parametrize("knows", [False, True])
+def test_osmesa_is_installed_only_where_the_release_has_it(tmp_path, knows):
+    """Everything else is there. The fake apt-get prints a word that shows its call."""
+    there = "\n".join(f"ii  {name}" for kind in ("build", "run", "test") for name in packages(kind) if name != "libosmesa6")
+    for name, does in (("dpkg-query", f"echo '{there}'"), ("apt-get", "echo called $*"), ("apt-cache", "true" if knows else "false")):
+        (tmp_path / name).write_text(f"#!/bin/sh\n{does}\n")
+        (tmp_path / name).chmod(0o755)
+    result = subprocess.run([SCRIPTS / "install_dependencies"], capture_output=True, text=True, timeout=60, check=False,
+                            env={"PATH": f"{tmp_path}:/usr/bin:/bin"})
+    assert ("libosmesa6" in result.stdout) == knows and (result.returncode == 0 or knows), result
+
+
 def test_another_kind_and_another_option_are_refused():
     for words in (["--list", "all"], ["--nonsense"]):
         result = subprocess.run([SCRIPTS / "install_dependencies", *words], capture_output=True, text=True, timeout=60,
