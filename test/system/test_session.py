@@ -3,9 +3,23 @@
 import socket
 import time
 
+import pytest
 from stack import Stack, await_run_level, itp, robot_states
 
 PEDAL_UP = 2
+
+
+@pytest.mark.parametrize("duration", [0, 5])
+def test_waiting_for_the_pedal_is_an_error_only_if_an_end_was_asked_for(duration):
+    with Stack(configure={"runtime": {"start_timeout": 0.5}}) as stack:
+        daemon = stack.start_daemon("--hazard", "none", "--duration", str(duration))
+        stack.await_ticks()
+        if duration:
+            assert daemon.wait(20) == 1, stack.log_text("simulator")
+            return
+        time.sleep(1.5)
+        assert daemon.poll() is None, stack.log_text("simulator")
+        assert stack.stop("simulator")[0] == 0
 
 
 def test_a_session_ends_cleanly_at_a_signal_and_its_counters_add_up():

@@ -71,6 +71,18 @@ TEST(Diagnostics, ARealCameraThatIsAskedForAndSilentIsAWarning) {
   EXPECT_EQ(valueOf(heard, "age_ms"), "250");
 }
 
+TEST(Diagnostics, AStreamThatIsMostlyRefusedIsNamedWhileItLasts) {
+  const auto shared = std::make_unique<SharedState>();
+  StreamFinding finding{1, 1000, 900, Reject::kOutOfRange, 1};
+  shared->master_stream.store(finding);
+  const DiagnosticStatus refused = statusOf("master to daemon link", SessionCounts{}, *shared);
+  EXPECT_EQ(refused.level, DiagnosticStatus::WARN);
+  EXPECT_NE(refused.message.find("900 of 1000 packets were refused"), std::string::npos) << refused.message;
+  finding.lasts = 0;
+  shared->master_stream.store(finding);
+  EXPECT_EQ(statusOf("master to daemon link", SessionCounts{}, *shared).level, DiagnosticStatus::OK);
+}
+
 TEST(Diagnostics, ALinkWhoseCountersDoNotAddUpIsAnError) {
   LinkCounts counts;
   counts.count(Reject::kNone);
