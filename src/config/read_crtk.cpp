@@ -8,9 +8,6 @@
 namespace raven2_trainer::config {
 namespace {
 
-// [s] The robot's own branch uses each velocity once, so its clients repeat them, and end without a zero.
-constexpr double kRavenTwist = 0.1;
-
 /** A name that ROS takes below any namespace; the nodes of other programs have theirs next to it. */
 std::string readNamespace(Section& root, const std::string& key) {
   const std::string name = root.text(key);
@@ -40,7 +37,6 @@ void readCrtk(Section& root, CrtkConfig* c) {
   c->move_speed = root.number("move_speed", 0.001, c->max_speed);
   c->move_turn_rate = root.number("move_turn_rate", 0.01, c->max_turn_rate);
   c->twist_timeout = root.number("twist_timeout", 0.01, 600);
-  if (c->dialect == CrtkDialect::kRaven) c->twist_timeout = std::min(c->twist_timeout, kRavenTwist);
   c->release_after = root.number("release_after", 0, 3600);
   c->trim_time = root.number("trim_time", 0, 60);
 }

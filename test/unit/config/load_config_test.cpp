@@ -267,9 +267,6 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
   EXPECT_EQ(crtk.dialect, CrtkDialect::kModern);
   EXPECT_EQ(crtk.period, 0.00195);
   EXPECT_EQ(crtk.twist_timeout, 15.0);
-  replace("crtk.yaml", "\ndialect: modern ", "\ndialect: raven ");
-  EXPECT_EQ(loadTrainerConfig(root()).crtk.twist_timeout, 0.1) << "its clients end without a zero twist";
-  replace("crtk.yaml", "\ndialect: raven ", "\ndialect: modern ");
   const std::vector<std::array<std::string, 3>> wrong{
       {"max_speed: 0.1 ", "max_speed: 0 ", "max_speed is 0, expected [0.001, 1]"},
       {"move_speed: 0.04 ", "move_speed: 0.11 ", "move_speed is 0.11, expected [0.001, 0.1]"},
