@@ -13,10 +13,10 @@ PEDAL_UP = 2
 def test_waiting_for_the_pedal_is_an_error_only_if_an_end_was_asked_for(duration):
     with Stack(configure={"runtime": {"start_timeout": 0.5}}) as stack:
         daemon = stack.start_daemon("--hazard", "none", "--duration", str(duration))
-        stack.await_ticks()
         if duration:
-            assert daemon.wait(20) == 1, stack.log_text("simulator")
+            assert daemon.wait(60) == 1, stack.log_text("simulator")
             return
+        stack.await_ticks()
         time.sleep(1.5)
         assert daemon.poll() is None, stack.log_text("simulator")
         assert stack.stop("simulator")[0] == 0
