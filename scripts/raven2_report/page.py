@@ -22,7 +22,7 @@ def title(facts):
 
 
 def _hazard(facts):
-    """Those that acted, injected ones included; without one, the armed one."""
+    """Names of the hazards that acted. If none did, the name of the armed one."""
     acted = list(dict.fromkeys(words(hazard["name"]) for hazard in facts.hazards))
     armed = words(facts.header["hazard"])
     return ", ".join(acted) or (armed if armed == "none" else f"{armed} (did not act)")

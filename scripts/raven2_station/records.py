@@ -29,6 +29,11 @@ def _dict(value):
     return value if isinstance(value, dict) else {}
 
 
+def _dicts(value):
+    """Those of a list; of anything else, none."""
+    return [_dict(each) for each in value] if isinstance(value, list) else []
+
+
 def _text(value):
     return value if isinstance(value, str) else ""
 
@@ -80,10 +85,11 @@ class Records:
         path = self.directory(name)
         report, meta = _dict(_json(path / "report.json")), _dict(_json(path / "meta.json"))
         session, verdict = _dict(report.get("session")), _dict(report.get("verdict"))
-        acted = [h.get("scenario") for h in report.get("hazards") or [] if isinstance(h, dict)]
+        acted = [h.get("scenario") for h in _dicts(report.get("hazards"))]
         return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": session.get("trainee") or "",
                 "exercise": session.get("exercise", ""), "drill": session.get("drill", ""), "hazards": _names(acted),
-                "driver": _text(meta.get("motion")), "passed": verdict.get("passed"), "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
+                "driver": _text(meta.get("motion")), "passed": verdict.get("passed"),
+                "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
                 "video": (path / "video.mp4").is_file()}
 
     def verdict(self, name):
@@ -132,9 +138,9 @@ class Records:
         except KeyError:
             return [], ""
         score = _dict(_json(path / "score.json"))
-        hazards = [h for h in score.get("hazards") or [] if isinstance(h, dict)]
+        hazards = _dicts(score.get("hazards"))
         found = []
-        for attempt in map(_dict, score.get("attempts") or []):
+        for attempt in _dicts(score.get("attempts")):
             share = attempt.get("composite")
             acted = [h.get("scenario") for h in hazards if _is_within(h.get("injection_tick"), attempt)]
             found.append((share if _is_number(share) else None, _names(acted)))

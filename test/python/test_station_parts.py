@@ -645,8 +645,9 @@ def test_the_history_has_score_time_and_response(folder):
     (folder / "s1" / "score.json").write_text(json.dumps({"attempts": [{"composite": 0.75}]}))
     history = records.Records(folder).history("ann")
     assert [(a["session"], a["score"], a["time"]) for a in history] == [("s0", None, 10.0), ("s1", 0.75, 11.0), ("s3", None, 13.0)]
-    (folder / "s1" / "score.json").write_text('{"attempts": [{"composite": "x"}, 3]}')
-    assert [a["score"] for a in records.Records(folder).history("ann")] == [None] * 3
+    for spoilt in ('{"attempts": [{"composite": "x"}, 3]}', '{"attempts": 3, "hazards": 3}', '{"attempts": {"a": 1}, "hazards": [3]}'):
+        (folder / "s1" / "score.json").write_text(spoilt)
+        assert [a["score"] for a in records.Records(folder).history("ann")] == [None] * 3
 
 
 def test_sessions_say_which_hazards_acted_and_who_moved_the_arms(folder):
@@ -655,6 +656,7 @@ def test_sessions_say_which_hazards_acted_and_who_moved_the_arms(folder):
     report["hazards"] = [{"scenario": "sudden_jump"}, {"scenario": "camera_drift"}, {"scenario": "sudden_jump"}, 3]
     (folder / name / "report.json").write_text(json.dumps(report))
     (folder / name / "meta.json").write_text('{"motion": "clumsy:dropper"}')
+    (folder / "2026-01-02T10-00-00Z_ann" / "report.json").write_text('{"hazards": 3}')
     after, before = records.Records(folder).list()
     assert before["hazards"] == ["sudden_jump", "camera_drift"] and before["driver"] == "clumsy:dropper"
     assert after["hazards"] == [] and after["driver"] == ""

@@ -113,7 +113,7 @@ struct SharedState {
   // physics -> ros (crtk): rejected commands
   SpscRing<ServoRefused, 256> servo_refused;
   // physics -> ros: one answer to each request except the daemon's own; not in ringCounts(), because without a ROS
-  // master nobody reads them. /diagnostics reports what they drop.
+  // master they are not read. /diagnostics reports how many were dropped.
   SpscRing<RequestAnswer, 64> answers;
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
   SpscRing<ExecutionReport, 8> execution_answers;

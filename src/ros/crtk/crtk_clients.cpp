@@ -10,7 +10,7 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
-constexpr double kPause = 0.1;  // [s] before a lost connection is made again
+constexpr double kPause = 0.05;  // [s] before a lost connection is made again
 
 std::optional<net::TcpClient> connectionTo(const std::string& address) {
   std::string host;
@@ -41,7 +41,7 @@ bool CrtkClients::hasLost(std::int64_t now_ns) {
   return has_lost;
 }
 
-/** A node may close a connection that nobody uses, so only one that cannot be made again counts. */
+/** A node may close an idle connection, so only one that cannot be made again counts. */
 bool CrtkClients::isGone(Node* node, std::int64_t now_ns) {
   net::TcpClient& connection = node->connection;
   const net::TcpClient::Event event = connection.poll(now_ns, 0);

@@ -261,8 +261,8 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
-  if (asked.command && isTimed(asked.command->kind)) watchClients();
   const std::string refusal = inbox_.take(asked);
+  if (asked.command && isTimed(asked.command->kind)) watchClients();
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }
 
