@@ -6,8 +6,6 @@
 #include <std_msgs/Float64.h>
 
 #include <memory>
-#include <numeric>
-#include <set>
 #include <utility>
 
 #include "raven2_trainer/net/clock.h"
@@ -152,27 +150,24 @@ void CrtkListener::hearSettings() {
     });
 }
 
-std::size_t CrtkListener::publishersOfTimed() const {
-  return std::accumulate(timed_.begin(), timed_.end(), std::size_t{0},
-                         [this](std::size_t sum, std::size_t i) { return sum + subscribers_[i].getNumPublishers(); });
-}
-
-/** A command that lasts until its time-out came, from one of the nodes that publish such topics now. */
-void CrtkListener::watchClients() {
-  const std::size_t publishers = publishersOfTimed();
-  if (goes_on_ && publishers == publishers_) return;
-  std::set<std::string> topics;
-  for (const std::size_t i : timed_)
-    topics.insert(subscribers_[i].getTopic());
-  clients_.watch(publishersOf(topics));
+/** A command that lasts until its time-out came, from one of the nodes that publish its topic now. */
+void CrtkListener::watchClients(const std::string& topic) {
+  const auto found = timed_.find(topic);
+  if (found == timed_.end()) return;
+  const ros::Subscriber& heard = subscribers_[found->second];
+  const std::size_t publishers = heard.getNumPublishers();
+  if (topic == lasting_ && publishers == publishers_) return;
+  clients_.watch(publishersOf({heard.getTopic()}));
   publishers_ = publishers;
-  goes_on_ = true;
+  lasting_ = topic;
 }
 
 /** A client that is gone cannot stop its twist. roscpp does not say whose a message was, so each that goes ends it. */
 void CrtkListener::endLeftTwists() {
-  if (!goes_on_ || (publishersOfTimed() >= publishers_ && !clients_.hasLost(net::monotonicNow()))) return;
-  goes_on_ = false;
+  if (lasting_.empty()) return;
+  const bool all_publish = subscribers_[timed_.at(lasting_)].getNumPublishers() >= publishers_;
+  if (all_publish && !clients_.hasLost(net::monotonicNow())) return;
+  lasting_.clear();
   clients_.watch({});
   take("left", readNumber(arm_, ServoKind::kEndTwist, 0.0));
 }
@@ -256,13 +251,13 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
   subscribers_.push_back(node_.subscribe<Message, const Event&>(topic, queue, callback, ros::VoidConstPtr(), at_once));
   const bool is_timed = topic.find("servo_cv") != std::string::npos || topic.find("servo_jv") != std::string::npos ||
                         topic.find("servo_jf") != std::string::npos || topic.find("servo_cf") != std::string::npos;
-  if (is_timed) timed_.push_back(subscribers_.size() - 1);
+  if (is_timed) timed_[topic] = subscribers_.size() - 1;
 }
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
   const std::string refusal = inbox_.take(asked);
-  if (asked.command && isTimed(asked.command->kind)) watchClients();
+  if (asked.command && isTimed(asked.command->kind)) watchClients(topic);
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }
 

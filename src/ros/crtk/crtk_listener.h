@@ -5,6 +5,7 @@
 #include <ros/wall_timer.h>
 
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -51,8 +52,7 @@ class CrtkListener {
   void hearForces();
   void hearWrench(const std::string& prefix, const CrtkFrame& frame, WrenchFrame where);
   void hearSettings();
-  std::size_t publishersOfTimed() const;
-  void watchClients();
+  void watchClients(const std::string& topic);
   void endLeftTwists();
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
@@ -71,9 +71,9 @@ class CrtkListener {
   CrtkInbox& inbox_;
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
-  std::vector<std::size_t> timed_;  ///< of them: what goes on until its time-out
-  bool goes_on_{false};             ///< one of those was heard, and all that may have sent it are there
-  std::size_t publishers_{0};       ///< of those topics, when it was heard
+  std::map<std::string, std::size_t> timed_;  ///< of them, by topic: what lasts until its time-out
+  std::string lasting_;        ///< topic of the newest of those, while all that may have sent it are there; else empty
+  std::size_t publishers_{0};  ///< of that topic, when it was heard
   CrtkClients clients_;             ///< those publishers
   bool is_absolute_{false};         ///< body/servo_cf is along the axes of `world`
   ros::WallTimer timer_;
