@@ -107,7 +107,7 @@ ServoTarget::ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, 
     : limits_(limits),
       geometry_(geometry),
       arm_(arm),
-      twist_ticks_(static_cast<Tick>(std::llround(limits.twist_timeout / kTickSeconds))) {
+      twist_ticks_(static_cast<Tick>(std::llround(twistTimeout(limits) / kTickSeconds))) {
   startFrom(poseOf(geometry.home), geometry.home, kinematics::jawOpening(geometry.home));
 }
 

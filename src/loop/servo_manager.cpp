@@ -99,7 +99,7 @@ ServoManager::ServoManager(const LoopConfig& config, SharedState* shared)
       gains_(config.model.gains),
       console_limit_(ticksOf(rules_.pedalTimeout())),
       idle_limit_(ticksOf(config.crtk.release_after)),
-      push_ticks_(ticksOf(config.crtk.twist_timeout)),
+      push_ticks_(ticksOf(twistTimeout(config.crtk))),
       is_raven_(config.crtk.dialect == CrtkDialect::kRaven) {}
 
 // ---- who has the pedal -------------------------------------------------------------------------------------------

@@ -102,15 +102,12 @@ class CrtkRaven(unittest.TestCase):
         until(lambda: abs(at("/grasp1/measured_js") - measured - by) < 0.02, 5, "the jaws at the goal")
         self.assertAlmostEqual(at("/arm1/measured_js") - shoulder, -0.05, delta=5e-3)
 
-    def test_5_one_number_is_the_shoulder_and_rates_are_seven(self):
+    def test_5_one_number_is_the_shoulder_and_rates_are_seven_and_end_with_their_stream(self):
         before = self.next("/arm1/measured_js", JointState)
         self.stream("/arm1/servo_jp", JointState(position=[before.position[0] + 0.03]), 20)
         rates = JointState(velocity=[0.0] * 15)
         rates.velocity[1] = 0.05
-        self.say["/arm1/servo_jv"].publish(rates)
-        rospy.sleep(1.0)
-        self.say["/arm1/servo_jv"].publish(JointState(velocity=[0.0] * 7))
-        rospy.sleep(1.0)
+        self.stream("/arm1/servo_jv", rates, RATE)  # 1 s, and no zero at its end: the branch's clients send none
         after = self.next("/arm1/measured_js", JointState)
         self.assertAlmostEqual(after.position[0] - before.position[0], 0.03, delta=5e-3)
         self.assertAlmostEqual(after.position[1] - before.position[1], 0.05, delta=1e-2)

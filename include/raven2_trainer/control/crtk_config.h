@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <string>
@@ -28,9 +29,19 @@ struct CrtkConfig {
   double max_step_turn{};   ///< [rad] the same
   double move_speed{};      ///< [m/s] highest of a move_*; at most max_speed
   double move_turn_rate{};  ///< [rad/s] the same
-  double twist_timeout{};   ///< [s] servo_cv, servo_jv, servo_jf and servo_cf without another
+  double twist_timeout{};   ///< [s] servo_cv, servo_jv, servo_jf and servo_cf without another; see twistTimeout()
   double release_after{};   ///< [s] of silence after which the pedal goes up; 0 never
   double trim_time{};       ///< [s] constant in which a resting robot is brought nearer to the set point; 0 it is not
 };
+
+/** [s] The robot's own branch uses a velocity for one cycle (update_device_crtk_motion): the arm stops when its client does. Ours
+ * bridges the pauses of a client at 10 Hz. */
+constexpr double kRavenTwistTimeout = 0.1;
+
+/** [s] After which a twist or a force ends without another. Clients of dialect `raven` end a twist by sending no more. */
+inline double twistTimeout(const CrtkConfig& config) noexcept {
+  const bool is_raven = config.dialect == CrtkDialect::kRaven;
+  return is_raven ? std::min(config.twist_timeout, kRavenTwistTimeout) : config.twist_timeout;
+}
 
 }  // namespace raven2_trainer

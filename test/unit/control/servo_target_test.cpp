@@ -501,6 +501,21 @@ TEST_P(ServoTargetTest, ATwistLastsForItsTime) {
   EXPECT_EQ(target.runOut(), 1U);
 }
 
+TEST_P(ServoTargetTest, ATwistOfTheBranchsClientsEndsWhenTheySendNoMore) {
+  for (const CrtkDialect dialect : {CrtkDialect::kModern, CrtkDialect::kRaven}) {
+    CrtkConfig own = limits();
+    own.twist_timeout = 15.0;
+    own.dialect = dialect;
+    target = ServoTarget(own, geometry, arm);
+    standAt(q);
+    const Pose from = target.pose();
+    ASSERT_EQ(twist({0.01, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+    tick(1000);
+    const double seconds = dialect == CrtkDialect::kRaven ? 0.1 + 0.1 : 1.0;  // and half of the 200 ms to slow down
+    EXPECT_NEAR((target.pose().p - from.p)[0], seconds * 0.01, 2e-5);
+  }
+}
+
 TEST_P(ServoTargetTest, ATwistThatTimedOutComesToRestGently) {
   ASSERT_EQ(twist({0.02, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
   tick(100);
