@@ -26,7 +26,7 @@ WITH = re.compile(r"<!-- with: (.+) -->")
 NOT_RUN = re.compile(r"<!-- not run: (.+) -->")
 REASONS = ("needs a real robot", "needs hardware that is not there", "needs recordings that are not shipped",
            "needs a package that is not in Debian", "needs a window with OpenGL", "changes the firewall", "takes hours",
-           "runs this page itself")
+           "runs this page itself", "runs until Ctrl-C")
 LANGUAGES = ("bash", "python")
 # Lines of a page that a reader types. They must be in blocks of bash.
 COMMAND = re.compile(r" *(?:sudo |(?:ros(?:run|launch|service|topic|bag|param|test|core)|scripts/\w+|nft|cmake|podman)\b)")

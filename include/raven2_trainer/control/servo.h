@@ -6,9 +6,9 @@
 
 #include "raven2_trainer/core/types.h"
 
-// Commands of a CRTK client (Collaborative Robotics Toolkit) to the arms, and their states for it. The arms move
-// as by a master: commands become increments and a pedal. So model, robot, faults and the log treat them as
-// a master's.
+// Commands of CRTK clients (Collaborative Robotics Toolkit, doc/crtk.md) to the arms, and states of the arms for the
+// clients. In each tick, motion commands become increments and a pedal state, like those of a master. So model, robot,
+// faults and log treat both alike. Forces become requests (control/effort.h).
 
 namespace raven2_trainer {
 
@@ -25,28 +25,29 @@ constexpr std::array<const char*, kStateCommandCount> kStateCommandNames{"enable
 
 enum class ServoKind : std::uint8_t {
   kState,          ///< ServoCommand::state
-  kHold,           ///< stays where it is asked to be now; what was to come is forgotten
-  kFree,           ///< lets go
+  kHold,           ///< stays at the set point; discards all motion and forces
+  kFree,           ///< as StateCommand::kPause: the brakes hold the arm
   kServoJoints,    ///< servo_jp
-  kServoJointsBy,  ///< servo_jr: from the set point; every one counts
+  kServoJointsBy,  ///< servo_jr: relative to the goal of servo_jp or servo_jr, else to the set point; steps add up
   kServoPose,      ///< servo_cp
-  kServoPoseBy,    ///< servo_cr: `pose_B` moved by and turned by in B, from the set point; every one counts
-  kServoTwist,     ///< servo_cv: until the next, or a time-out
+  kServoPoseBy,    ///< servo_cr: translation and rotation in B, relative to the goal of servo_cp or servo_cr or the set
+                   ///< point
+  kServoTwist,     ///< servo_cv: twist of the tip, until the next motion or twistTimeout() (control/crtk_config.h)
   kMoveJoints,     ///< move_jp
   kMovePose,       ///< move_cp
   kServoJaw,       ///< jaw/servo_jp
-  kServoJawBy,     ///< jaw/servo_jr
+  kServoJawBy,     ///< jaw/servo_jr: relative to the goal of a servo command, else to the opening
   kMoveJaw,        ///< jaw/move_jp
-  kServoRates,     ///< servo_jv: rates of the joints, until the next, or a time-out
-  kMoveJointsBy,   ///< move_jr: from where the newest move or servo command leads
-  kMoveJawBy,      ///< jaw/move_jr
-  kServoForces,    ///< servo_jf: torques and forces on the joints, of the model alone
-  kServoWrench,    ///< servo_cf: force and torque at the tip, of the model alone
+  kServoRates,     ///< servo_jv: joint rates; ends like kServoTwist
+  kMoveJointsBy,   ///< move_jr: relative to the end of the queued moves, else as servo_jr
+  kMoveJawBy,      ///< jaw/move_jr: relative to the newest goal, else to the opening
+  kServoForces,    ///< servo_jf: torques and forces on the joints; only on the model, like the next two
+  kServoWrench,    ///< servo_cf: force and torque at the tip
   kServoJawForce,  ///< jaw/servo_jf
-  kRatio,          ///< trajectory_j/set_ratio: `number` of move_speed and move_turn_rate, for the moves that begin then
-  kGravity,        ///< use_gravity_compensation: while forces are asked for, `number` 0 leaves the arm its weight
-  kTool,           ///< emulate_tool_present: a Raven does not look for its tool
-  kEndTwist,       ///< who asked for a twist, rates or forces is gone: they end
+  kRatio,          ///< trajectory_j/set_ratio: `number` times move_speed and move_turn_rate, for later moves
+  kGravity,        ///< use_gravity_compensation: `number` 0: forces act without gravity compensation
+  kTool,           ///< emulate_tool_present: always refused
+  kEndTwist,       ///< a node that published twists, rates or forces has gone: they end
 };
 constexpr std::size_t kServoKindCount = 23;
 constexpr std::array<const char*, kServoKindCount> kServoKindNames{"state_command",
@@ -76,55 +77,55 @@ constexpr std::array<const char*, kServoKindCount> kServoKindNames{"state_comman
 /** Where a wrench of servo_cf acts, and along which axes. */
 enum class WrenchFrame : std::uint8_t {
   kTip,     ///< at the tip T, along the axes of B
-  kBody,    ///< at T, along its own axes
-  kOrigin,  ///< torque about the origin of B, along its axes
+  kBody,    ///< at T, along the axes of T
+  kOrigin,  ///< along the axes of B, with the torque about B's origin
 };
 
 /** Joints of an arm without its jaws: shoulder to wrist, then the jaws' mid-line (kinematics::jawMidline). */
 constexpr std::size_t kServoJointCount = 6;
 using ServoJoints = std::array<double, kServoJointCount>;  ///< [rad; m for kInsertion] DH convention (raven2.md 2.3)
 
-/** One message of a client. Frame B is the arm's base. */
+/** One command of a client. Frame B is the arm's base; T is the tool tip. */
 struct ServoCommand {
-  std::uint32_t id{};  ///< chosen by the sender: ServoRefused::id
+  std::uint32_t id{};  ///< of the sender's choice; a refusal repeats it
   ServoKind kind{ServoKind::kHold};
   StateCommand state{StateCommand::kEnable};  ///< kState
   Arm arm{Arm::kGold};
-  std::uint8_t is_shoulder{};  ///< kServoJoints: 1 of `joints` the first alone counts, the others stay where they lead
-  ServoJoints joints{};        ///< positions, how far from the set point, rates, or torques and forces
-  RigidPose pose_B{};          ///< of the tool tip T in B, or how far from the set point
+  std::uint8_t is_shoulder{};  ///< kServoJoints: 1: only joints[0], the shoulder, counts; others keep their goals
+  ServoJoints joints{};        ///< by kind: positions, steps, rates, or torques and forces
+  RigidPose pose_B{};          ///< pose of T in B, or a step
   Vec3 v_B{}, w_B{};           ///< [m/s], [rad/s] kServoTwist, of T in B
   Vec3 force{}, torque{};      ///< [N], [Nm] kServoWrench
   WrenchFrame frame{WrenchFrame::kTip};
-  double jaw{};     ///< [rad] the jaws' opening (kinematics::jawOpening), or how far from the set point; [Nm] on it
+  double jaw{};     ///< [rad] opening (kinematics::jawOpening), or a step; kServoJawForce: [Nm], opens
   double number{};  ///< kRatio, kGravity, kTool
 };
 static_assert(std::is_trivially_copyable<ServoCommand>::value, "travels in a ring");
 
-/** Why a command did nothing. */
+/** Why a command was refused. */
 enum class ServoRefusal : std::uint8_t {
   kNone,
   kInvalid,       ///< the state table has no such command in this state
   kNotEnabled,    ///< not ENABLED
   kNotHomed,      ///< the robot is not ready to move
   kConsole,       ///< the surgeon's console has the pedal down
-  kMode,          ///< planning, a trial, a replay: something that ends first
-  kRobotStop,     ///< the robot is in E-STOP: that is ended at the robot
-  kOperatorStop,  ///< an operator stopped the arms: the operator clears that
+  kMode,          ///< another activity must end first: a plan, a trial, a replay
+  kRobotStop,     ///< the robot is in E-STOP or being started: act at the robot
+  kOperatorStop,  ///< an operator stopped the arms: only clear_stop ends that
   kNotFinite,     ///< a number is NaN or infinite, or a rotation is invalid
-  kOutOfRange,    ///< a joint or the jaws beyond its limits: `value`, `limit`, `joint`
-  kTooFar,        ///< farther from the set point than a servo command may lead: `value`, `limit`; move_* goes there
+  kOutOfRange,    ///< a joint or the jaws beyond the limits: `value`, `limit`, `joint`
+  kTooFar,        ///< a servo goal too far from the set point: `value`, `limit`; use move_*
   kTooFast,       ///< kServoTwist, kServoRates: `value`, `limit`
-  kUnreachable,   ///< a pose without joints for it
-  kQueueFull,     ///< more moves wait than are kept
-  kNotOffered,    ///< a Raven cannot: unhome, a tool that is looked for
-  kHasRobot,      ///< a force, and a robot is there: its controllers hold positions
-  kTooStrong,     ///< kServoForces, kServoWrench, kServoJawForce: `value`, `limit`, `joint`
+  kUnreachable,   ///< no inverse solution at the goal or on the path
+  kQueueFull,     ///< eight moves are queued
+  kNotOffered,    ///< unhome (except in dialect `raven`), emulate_tool_present
+  kHasRobot,      ///< a force or kGravity, but a robot is connected: its controllers hold positions
+  kTooStrong,     ///< a force beyond a joint controller's limit: `value`, `limit`, `joint`
   kNoRatio,       ///< kRatio beyond 0.001 to 1: `value`
 };
 constexpr std::size_t kServoRefusalCount = 18;
 
-/** One for each command that did nothing. */
+/** Report of a refused command. */
 struct ServoRefused {
   std::uint32_t id{};
   ServoKind kind{ServoKind::kHold};
@@ -133,30 +134,30 @@ struct ServoRefused {
   OperatingState in{OperatingState::kDisabled};
   Arm arm{Arm::kGold};
   std::uint8_t joint{};    ///< kOutOfRange, kTooStrong: 0 to 5 of ServoJoints, 6 the jaws
-  std::uint8_t is_turn{};  ///< kTooFar, kTooFast, kTooStrong: 1 `value` of a rotation [rad; Nm], 0 of a length [m; N]
+  std::uint8_t is_turn{};  ///< 1: `value` in rad, rad/s or Nm; 0: in m, m/s or N
   double value{}, limit{};
 };
 static_assert(std::is_trivially_copyable<ServoRefused>::value, "travels in a ring");
 
 /** State of an arm for its clients. */
 struct ServoArmState {
-  std::uint8_t is_busy{};    ///< a move_* or homing is under way
-  RigidPose setpoint_B{};    ///< of T: what the arm's controllers are asked for
+  std::uint8_t is_busy{};    ///< a move_* or the robot's homing is under way
+  RigidPose setpoint_B{};    ///< of T: goal of the arm's controllers, without the trim (doc/crtk.md)
   ServoJoints setpoint_q{};  ///< the same in joints
   double setpoint_jaw{};     ///< [rad]
-  RigidPose goal_B{};        ///< where the newest move or servo command leads; the set point if none
-  double ratio{1.0};         ///< of move_speed and move_turn_rate that moves begin with
-  std::uint32_t run_out{};   ///< twists and rates that ended by their time-out, since the start
+  RigidPose goal_B{};        ///< goal of the newest move or servo command; without one the set point
+  double ratio{1.0};         ///< factor on move_speed and move_turn_rate of new moves
+  std::uint32_t run_out{};   ///< twists, rates and forces that timed out, since the start
 };
 
-/** The end of tick `tick`. Both arms have one operating state: the Raven has one run level. */
+/** State at the end of tick `tick`. Both arms share one operating state, because a Raven has one run level. */
 struct ServoState {
   Tick tick{-1};
   std::int64_t time_ns{};  ///< ModelState::time_ns of the tick
   OperatingState state{OperatingState::kDisabled};
   std::uint8_t is_homed{};
-  std::uint8_t holds_pedal{};  ///< 1 while a client moves the arms, 0 nobody or the console
-  std::uint8_t alone{};        ///< 1 while a client moves the model without the robot that was there before
+  std::uint8_t holds_pedal{};  ///< 1: a client holds the pedal; 0: the console or nobody
+  std::uint8_t alone{};        ///< 1: a client moves only the model, though a robot was connected before
   PerArm<ServoArmState> arms{};
   std::uint64_t received{}, applied{}, refused{};  ///< commands; received = applied + refused
 };

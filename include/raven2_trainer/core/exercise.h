@@ -10,7 +10,7 @@
 #include "raven2_trainer/core/types.h"
 
 // Exercises: a trainee's tasks in a scene, as data (config/exercises/*.yaml), and their results. A judge in the physics
-// loop (training/exercise_judge.h) sees only contacts and poses, not the arms' commands.
+// loop (training/exercise_judge.h) uses contacts, poses, mode and pedal, not the commands that move the arms.
 
 namespace raven2_trainer {
 
@@ -29,9 +29,9 @@ constexpr std::array<const char*, kExerciseStatusCount> kExerciseStatusNames{"no
 enum class ExerciseFailure : std::uint8_t {
   kNone,
   kTimeLimit,
-  kBrokeOff,    ///< a part was torn off
-  kObjectLost,  ///< an object lies where no arm can grasp it
-  kMistakes,    ///< more mistakes of one kind than the exercise allows
+  kBrokeOff,    ///< more parts torn off than a WatchRule allows
+  kObjectLost,  ///< an object lies where no arm can grasp it, or fell off the table
+  kMistakes,    ///< more mistakes than a WatchRule allows
   kGivenUp,     ///< by request
 };
 constexpr std::size_t kExerciseFailureCount = 6;
@@ -42,7 +42,7 @@ enum class Mistake : std::uint8_t {
   kWireTouch,   ///< tool or object touches a wire
   kCollision,   ///< tool touches a tower, the dome or the other arm
   kDrop,        ///< an object is released in the wrong place
-  kBreakOff,    ///< a part is torn off its foot
+  kBreakOff,    ///< a part (SceneBreakable) is torn off its foot
   kOutOfOrder,  ///< a step is done too early
   kWrongArm,    ///< the wrong arm grasps an object
 };
@@ -55,7 +55,7 @@ enum class PredicateKind : std::uint8_t {
   kHeld,        ///< both jaws of `hand` press on `object`
   kHeldAlone,   ///< kHeld, and nothing else touches `object`
   kUntouched,   ///< no arm touches `object`
-  kAround,      ///< peg `place` is in the opening of `object`
+  kAround,      ///< the axis of peg `place` passes through the opening of `object`, below the peg's top
   kLifted,      ///< `object` is around no peg and touches nothing fixed
   kResting,     ///< `object` is slower than 1 mm/s and 0.05 rad/s
   kAt,          ///< middle of `object` within `value` [m] of point `place`
@@ -72,7 +72,7 @@ constexpr std::array<const char*, kPredicateKindCount> kPredicateNames{
     "held",     "held_alone", "untouched",   "around", "lifted",     "resting", "at",
     "tip_near", "tip_inside", "tip_outside", "along",  "unthreaded", "in_view", "camera_near"};
 
-/** The arm of a predicate. */
+/** Arm or arms of a predicate. */
 enum class Hand : std::uint8_t { kGold, kGreen, kAny, kBoth };
 constexpr std::size_t kHandCount = 4;
 constexpr std::array<const char*, kHandCount> kHandNames{"gold", "green", "any", "both"};
@@ -86,7 +86,7 @@ struct Predicate {
   double value{};                ///< by kind
 };
 
-/** Done when all of `until` have been true together for `dwell`. */
+/** A step is done when all of `until` have been true together for `dwell`. */
 struct ExerciseStep {
   std::string name;
   std::vector<Predicate> until;  ///< at most kMaxPredicates
@@ -104,12 +104,12 @@ struct ExerciseTrack {
 /** A rule for mistakes. A rule of kind kWireTouch or kCollision looks for touches of `names_a` with `names_b`. */
 struct WatchRule {
   Mistake mistake{};
-  std::vector<std::string> names_a, names_b;  ///< links of scene and robot, with sets expanded
+  std::vector<std::string> names_a, names_b;  ///< links of scene and robot; a set is replaced by its links
   std::string place_a, place_b;               ///< "FILE:LINE: key" of both, for messages
-  double force{};                             ///< [N] least sum of normal forces that counts
-  double gap{};                               ///< [s] after a longer separation, a touch is a new one
-  double grace{};                             ///< [s] kDrop: from release to verdict
-  std::uint32_t limit{};                      ///< more mistakes fail the attempt; 0: no limit
+  double force{};                             ///< [N] a touch begins when its normal forces together reach this
+  double gap{};                               ///< [s] a touch ends when it stays below `force` for longer
+  double grace{};                             ///< [s] kDrop: from the release until the judge decides
+  std::uint32_t limit{};                      ///< more mistakes by this rule fail the attempt; 0: no limit
   std::uint8_t fails{};                       ///< 1: the first mistake fails the attempt
 };
 
@@ -118,12 +118,12 @@ constexpr std::size_t kMaxTracks = 8;
 constexpr std::size_t kMaxSteps = 48;  ///< of all tracks together
 constexpr std::size_t kMaxWatchRules = 12;
 
-/** Responses of a trainee to a hazard. */
+/** Responses of a trainee to a hazard; doc/scores.md defines them. */
 enum class DrillResponse : std::uint8_t {
   kPedalUp,
   kHoldStill,
   kSlow,
-  kRetreat,  ///< moves back
+  kRetreat,  ///< moves the hand back
   kStop,     ///< emergency stop
   kPushOn,   ///< continues as before
 };
@@ -131,14 +131,14 @@ constexpr std::size_t kDrillResponseCount = 6;
 constexpr std::array<const char*, kDrillResponseCount> kDrillResponseNames{"pedal_up", "hold_still", "slow",
                                                                            "retreat",  "stop",       "push_on"};
 
-/** The exercise as a hazard drill. */
+/** Hazard of an exercise, and its right and wrong responses. */
 struct ExerciseDrill {
   std::string scenario;  ///< in config/faults; empty: no drill
-  std::uint32_t step{};  ///< the clock starts when ExerciseState::step reaches this; 1: with the timer
-  double delay{};        ///< [s] on that clock
-  double jitter{};       ///< [s] added to it, uniform in [0, jitter]
-  std::vector<DrillResponse> right, wrong;  ///< first responses
-  double within{};                          ///< [s] from the cue; a right response after it is late
+  std::uint32_t step{};  ///< the hazard's clock starts when FaultSignals::step (0 before the timer) reaches this
+  double delay{};        ///< [s] on that clock, until the hazard
+  double jitter{};       ///< [s] added to `delay`, uniform in [0, jitter]
+  std::vector<DrillResponse> right, wrong;  ///< the first response that is in one of them decides
+  double within{};                          ///< [s] from the cue; a later right response is too late
 };
 
 /** A scored metric. */
@@ -156,8 +156,8 @@ struct ExerciseGuide {
   std::uint8_t point{kNobody};  ///< index in SceneRoles::points
 };
 
-/** A key of a scripted surgeon, as written: `text`, and `numbers` if it is a number or a list of numbers. A key within
- * a key is "outer/inner". */
+/** One key of a simulated surgeon. `text` is its value as written, `numbers` the same if it is a number or a list of
+ * numbers. `key` is "outer/inner" for a key within a key. */
 struct ScriptValue {
   std::string key, text;
   std::vector<double> numbers;
@@ -200,32 +200,33 @@ constexpr std::array<const char*, kJointCount> kArmLinkStems{"link1", "link2",  
                                                              "wrist", "grasper1", "grasper2"};
 constexpr std::array<const char*, kArmCount> kArmLinkEndings{"_L", "_R"};
 
-/** An attempt at the end of one tick. The physics loop writes it (training/exercise_judge.h). */
+/** The current attempt at the end of one tick, from the judge (training/exercise_judge.h). */
 struct ExerciseState {
   ExerciseStatus status{ExerciseStatus::kNone};
   ExerciseFailure failure{ExerciseFailure::kNone};
-  std::uint8_t attempt{};                              ///< counts starts and restarts
+  std::uint8_t attempt{};                              ///< number of the attempt, from 1; 0: no attempt
   std::uint32_t step{};                                ///< 1 + steps done, over all tracks; 0: no attempt
   std::array<std::uint8_t, kMaxTracks> done{};         ///< steps done of each track
-  Tick began{-1};                                      ///< [1 ms] tick in which the timer started; -1: not yet
-  Tick ended{-1};                                      ///< [1 ms] tick in which it was done or failed
-  std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< flags of each body, see below
+  Tick began{-1};                                      ///< [1 ms] model tick in which the timer started; -1: not yet
+  Tick ended{-1};  ///< [1 ms] model tick in which it was done or failed; -1: not yet
+  std::array<std::uint8_t, kMaxSceneBodies> bodies{};  ///< flags (below) of ModelState::bodies
   std::array<std::uint32_t, kMistakeCount> mistakes{};
-  double progress{};  ///< [-] along the wire of the running step, 0 to 1
+  double progress{};  ///< [-] share of the wire along which the current step leads, 0 to 1
 };
+// kBodyParked: at rest and left out of the simulation (SceneModel::parking).
 constexpr std::uint8_t kHeldByGold = 1, kHeldByGreen = 2, kBodyParked = 4, kBodyBrokenOff = 8;
 static_assert(std::is_trivially_copyable<ExerciseState>::value, "part of ModelState");
 
 enum class ExerciseEventKind : std::uint8_t {
   kStarted,     ///< an attempt waits for its timer
   kBegan,       ///< the timer started
-  kStepDone,    ///< `track`, `step`
+  kStepDone,    ///< step `step` of track `track`
   kHeld,        ///< `arm` holds body `a`
   kReleased,    ///< `arm` released body `a`
-  kDropped,     ///< body `a`: a mistake kDrop
-  kTouchBegan,  ///< bodies `a`, `b`
-  kTouchEnded,  ///< `value` [s] duration; a mistake if its rule says so
-  kBrokeOff,    ///< body `a`
+  kDropped,     ///< body `a`
+  kTouchBegan,  ///< bodies `a` and `b`, by a rule for `mistake`
+  kTouchEnded,  ///< the same touch, after `value` [s]
+  kBrokeOff,    ///< part `a` broke off its foot
   kMistake,     ///< `mistake`, counted in this tick
   kDone,
   kFailed,
@@ -242,14 +243,14 @@ struct ExerciseEvent {
   Hand arm{Hand::kAny};
   std::uint8_t track{kNobody}, step{kNobody};
   std::uint16_t a{0xFFFF}, b{0xFFFF};  ///< numbers of bodies as in contact records; 0xFFFF: no body
-  double value{};                      ///< by kind
+  double value{};                      ///< [s] kTouchEnded: duration
   double force{};                      ///< [N] kTouchEnded: greatest force
 };
 static_assert(std::is_trivially_copyable<ExerciseEvent>::value, "travels in a ring");
 
-/** Input of the judge in one tick, in addition to the model's state. */
+/** Input of the judge in one tick, in addition to the model's state and contacts. */
 struct BrokenOff {
-  std::uint16_t mask{};  ///< bit i: SceneRoles::breakables[i] is off its foot
+  std::uint16_t mask{};  ///< bit i: SceneRoles::breakables[i] has broken off
 };
 
 }  // namespace raven2_trainer

@@ -7,17 +7,17 @@
 
 #include "raven2_trainer/core/types.h"
 
-// A fault as data, for threads, the TCP link and the log. core/fault_variables.h has the variables; module `faults`
-// applies faults.
+// Faults as data: for threads (a StateCell copies them word by word), the TCP link from daemon to virtual Raven, and
+// the log. The variables are in core/fault_variables.h; module `faults` applies faults.
 
 namespace raven2_trainer {
 
-/** Process that applies a fault; it decides which parts are deceived. */
+/** Where a fault is applied. */
 enum class FaultHost : std::uint8_t {
-  kRobot,    ///< the robot's control software: model and surgeon are not affected
-  kRelay,    ///< the daemon, on the stream to the robot: the model is not affected (paper, 3.2)
-  kMaster,   ///< the daemon, on the masters' stream: model and robot both follow it
-  kConsole,  ///< the daemon, on the surgeon's force and image
+  kRobot,    ///< the robot's control software: affects the robot, not the model
+  kRelay,    ///< the daemon, on the stream to the robot: affects the robot, not the model (paper, 3.2)
+  kMaster,   ///< the daemon, on the masters' stream: affects model and robot
+  kConsole,  ///< the daemon, on force and image: affects only the surgeon
 };
 constexpr std::size_t kFaultHostCount = 4;
 constexpr std::array<const char*, kFaultHostCount> kFaultHostNames{"robot", "relay", "master", "console"};
@@ -25,10 +25,10 @@ constexpr std::array<const char*, kFaultHostCount> kFaultHostNames{"robot", "rel
 /** Where a fault acts: in a function of the robot's control program (raven2.md 4.2), or around that program. */
 enum class FaultSite : std::uint8_t {
   kNone,
-  kNetworkLayer,       ///< packets: behind the robot's recvfrom, on the relayed stream or on the masters' stream
+  kNetworkLayer,       ///< packets: after the robot's recvfrom, on the stream to the robot, or on the masters' stream
   kGetUsbPacket,       ///< the boards' packets, before the control loop reads them
   kAtmelInputs,        ///< the PLC's pins as the control program sees them
-  kStateMachine,       ///< the run level that it uses
+  kStateMachine,       ///< the run level that the control program uses
   kStateEstimate,      ///< motor positions and velocities
   kForwardCoupling,    ///< joints from motors
   kForwardKinematics,  ///< the tip from joints
@@ -63,27 +63,27 @@ constexpr std::array<const char*, kFaultSiteCount> kFaultSiteNames{"none",
                                                                    "video",
                                                                    "process"};
 
-/** Change of the variable. */
+/** How a fault changes its variable. */
 enum class FaultKind : std::uint8_t {
   kNone,
   // numbers
   kStuckAt,     ///< overwrite with `value`
-  kAdd,         ///< add `value` each time
-  kAddAndHold,  ///< the number at onset plus `value`, held
+  kAdd,         ///< add `value` to each number
+  kAddAndHold,  ///< hold the number at onset plus `value`
   kScale,       ///< multiply by `value`
   kSignFlip,    ///< multiply by -1
-  kRamp,        ///< from the number at onset to `value` in `ramp_ticks`, then stuck there
+  kRamp,        ///< from the number at onset to `value` in `ramp_ticks`, then hold `value`
   kDrift,       ///< add an offset that grows to `value` in `ramp_ticks`, then stays
   kRandom,      ///< uniform in [low, high), drawn each time
-  kRandomOnce,  ///< the same, drawn once per occurrence of the fault, then stuck
-  kHoldLast,    ///< the number before onset: frozen
-  // streams (packets, frames, images)
+  kRandomOnce,  ///< the same, drawn once per occurrence, then held
+  kHoldLast,    ///< hold the number before onset; also for streams, the last packet or frame
+  // streams (packets, state frames)
   kDrop,       ///< each is lost with probability `value`
   kDelay,      ///< each arrives [low, high] ticks later, in order
   kDuplicate,  ///< each arrives 1 + `value` times
   kReorder,    ///< blocks of `value` arrive in reverse order
-  kReplay,     ///< repeats the motion of the last `value` before onset, with the true sequence numbers
-  kForge,      ///< a forged one follows each: sequence number `low` ahead, motion `value` along `channel`
+  kReplay,     ///< motion of the last `value` packets before onset, repeated; sequence numbers continue
+  kForge,      ///< each gets a forged successor: sequence number + `low`, motion `value` [um] along `channel`
   kImpair,     ///< a bad network: preset number `value` of config/impairments
   // the whole program
   kCrash,  ///< the program ends at once
@@ -95,7 +95,7 @@ constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{
     "drift",   "random",   "random_once", "hold_last",    "drop",  "delay",     "duplicate",
     "reorder", "replay",   "forge",       "impair",       "crash", "hang"};
 
-/** Kinds for numbers; the others are for streams and programs. */
+/** Kinds for variables that are numbers. */
 constexpr bool isNumberKind(FaultKind kind) noexcept {
   return kind >= FaultKind::kStuckAt && kind <= FaultKind::kHoldLast;
 }
@@ -103,7 +103,7 @@ constexpr bool isStreamKind(FaultKind kind) noexcept {
   return kind >= FaultKind::kDrop && kind <= FaultKind::kImpair;
 }
 
-/** Variable that a fault changes; each belongs to one site. */
+/** Variable that a fault changes. Comments name its site. */
 enum class FaultVariable : std::uint8_t {
   kNone,
   // network_layer
@@ -177,17 +177,17 @@ enum class PictureFault : std::uint8_t {
 };
 constexpr std::size_t kPictureFaultCount = 4;
 
-/** Start of a fault's clock. */
+/** Event in the host that starts a fault's clock. */
 enum class FaultTrigger : std::uint8_t {
-  kPedalDown,       ///< the host's first pedal-down cycle; the fault then waits until the pedal is down
-  kPowerOn,         ///< the host's first cycle
-  kHand,            ///< the host's first cycle with the armed fault
-  kPacket,          ///< the host's first pedal-down packet; the fault starts with a packet (lastsForPackets())
+  kPedalDown,       ///< first pedal-down cycle; a fault that is due waits while the pedal is up
+  kPowerOn,         ///< first cycle
+  kHand,            ///< first cycle in which the fault is armed
+  kPacket,          ///< first pedal-down packet; the clock counts packets
   kRunLevel,        ///< run level `threshold` is reached
   kTissueDistance,  ///< a tip is at most `threshold` [m] from tissue
   kTargetDistance,  ///< a tip is at most `threshold` [m] from the exercise's target
-  kStep,            ///< the exercise has reached step `threshold`; the fault then waits until the pedal is down
-  kToolChange,      ///< the tool-change button
+  kStep,            ///< the exercise reaches step `threshold`; a fault that is due waits as with kPedalDown
+  kToolChange,      ///< an operator reports a tool change
 };
 constexpr std::size_t kFaultTriggerCount = 9;
 constexpr std::array<const char*, kFaultTriggerCount> kFaultTriggerNames{
@@ -195,29 +195,29 @@ constexpr std::array<const char*, kFaultTriggerCount> kFaultTriggerNames{
     "tissue_distance", "target_distance", "step", "tool_change"};
 
 /** One armed fault. A tick is the host's 1 ms cycle. With trigger kPacket, `first_tick` and `period_ticks` count
- *  packets. The other times then count packets too if lastsForPackets(), else cycles. */
+ *  packets. The other times then count packets, too, if lastsForPackets() (core/fault_variables.h), else cycles. */
 struct Fault {
-  std::uint32_t id{};  ///< identifies the scenario across processes; 0: no fault
+  std::uint32_t id{};  ///< identifies the scenario in all processes; 0: no fault
   FaultHost host{FaultHost::kRobot};
   FaultSite site{FaultSite::kNone};
   FaultVariable variable{FaultVariable::kNone};
   FaultKind kind{FaultKind::kNone};
   FaultTrigger trigger{FaultTrigger::kPedalDown};
   std::int8_t arm{-1};               ///< 0 gold, 1 green, -1 both
-  std::int8_t channel{-1};           ///< of the variable; -1 all
-  std::uint8_t row{};                ///< row of its scenario
-  std::uint32_t arming{};            ///< counts armings: the same scenario, armed again, starts again
-  std::int64_t first_tick{};         ///< [ticks] earliest start, on the trigger's clock
-  std::int64_t duration_ticks{};     ///< [ticks] length: 300 means 300 cycles; 0 = until cleared
-  std::int64_t period_ticks{};       ///< [ticks] repeat every; 0 = once
-  std::int64_t count{};              ///< number of occurrences; 0 = no limit
-  std::int64_t half_period_ticks{};  ///< [ticks] acts and rests in turn for this long; 0 = never rests
-  std::int64_t ramp_ticks{};         ///< [ticks] kRamp
-  double threshold{};                ///< by trigger
-  double probability{1.0};           ///< [0, 1] of each occurrence, drawn when it is due
-  std::uint64_t seed{};              ///< of probability, kRandom, kDrop, kDelay
-  double value{};                    ///< in the variable's unit, or by kind
-  double low{}, high{};              ///< as `value`
+  std::int8_t channel{-1};           ///< element of the variable; -1 all
+  std::uint8_t row{};                ///< row of the scenario
+  std::uint32_t arming{};            ///< changes if the scenario is armed again, so that it restarts
+  std::int64_t first_tick{};         ///< [ticks] when it is due first, on the trigger's clock
+  std::int64_t duration_ticks{};     ///< [ticks] of an occurrence; 0 = until cleared
+  std::int64_t period_ticks{};       ///< [ticks] from one occurrence to the next; 0 = only once
+  std::int64_t count{};              ///< with a period: number of occurrences; 0 = no limit
+  std::int64_t half_period_ticks{};  ///< [ticks] it acts and rests in turn for this long; 0 = never rests
+  std::int64_t ramp_ticks{};         ///< [ticks] of kRamp and kDrift
+  double threshold{};                ///< by FaultTrigger
+  double probability{1.0};           ///< [0, 1] that a due occurrence acts
+  std::uint64_t seed{};              ///< of all draws: probability, kRandom, kRandomOnce, kDrop, kDelay
+  double value{};                    ///< in the variable's unit, or by FaultKind
+  double low{}, high{};              ///< likewise
 };
 
 constexpr std::size_t kMaxFaults = 8;
@@ -225,30 +225,30 @@ constexpr std::size_t kMaxFaults = 8;
 /** All faults armed now. `generation` changes whenever the list does. */
 struct FaultPlan {
   std::uint64_t generation{};
-  /** Session of the sender. A new session restarts a robot's triggers; the same session continues them. */
+  /** Run of the daemon that sent the plan. A new run restarts the robot's triggers; the same run continues them. */
   std::uint32_t session{};
   std::uint32_t count{};
-  std::uint8_t is_suspended{};  ///< 1: the sender is disconnected; faults pause, their clocks run. Not sent.
+  std::uint8_t is_suspended{};  ///< 1: the daemon is disconnected; no fault acts, but clocks run. Not transmitted.
   std::array<Fault, kMaxFaults> faults{};
 };
 
-/** A row of a plan began or stopped acting. */
+/** A fault of the plan began or stopped acting. */
 struct FaultChange {
-  std::uint64_t number{};   ///< counts the host's changes from 1; a missing number is a lost change
-  std::uint64_t cycle{};    ///< [1 ms] on the host's clock: first cycle in which it acts, or no longer acts
-  std::uint32_t session{};  ///< FaultPlan::session; not recorded
+  std::uint64_t number{};   ///< of the host's changes, from 1; a missing number is a lost change
+  std::uint64_t cycle{};    ///< [1 ms] on the host's clock: first cycle with the fault, or first without it
+  std::uint32_t session{};  ///< FaultPlan::session; not in the log
   std::uint32_t id{};       ///< Fault::id
   FaultHost host{FaultHost::kRobot};
   std::uint8_t row{};   ///< Fault::row
   std::uint8_t acts{};  ///< 1 began, 0 stopped
 };
 
-/** Inputs of triggers other than cycles and pedals. */
+/** Inputs of kTissueDistance, kTargetDistance, kStep and kToolChange. */
 struct FaultSignals {
   double tissue_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
   double target_distance{std::numeric_limits<double>::infinity()};  ///< [m] of the nearer tip
   std::uint32_t step{};                                             ///< of the exercise; 0 before its timer starts
-  std::uint32_t tool_changes{};                                     ///< presses of the button so far
+  std::uint32_t tool_changes{};                                     ///< tool changes reported so far
 };
 static_assert(std::is_trivially_copyable<FaultPlan>::value && std::is_trivially_copyable<FaultSignals>::value &&
                   std::is_trivially_copyable<FaultChange>::value,

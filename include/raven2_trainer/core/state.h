@@ -10,8 +10,9 @@
 #include "raven2_trainer/core/mode.h"
 #include "raven2_trainer/core/types.h"
 
-// State structs that cross threads word by word, so everything is a plain array. Joint coordinates are the robot's
-// own (raven2.md 2.3), not the URDF's: kinematics/joint_conventions.h converts.
+// Structs that threads exchange through a StateCell (core/state_cell.h), which copies them word by word. So they hold
+// only numbers and plain arrays. Joint coordinates are the robot's (raven2.md 2.3), not the URDF's:
+// kinematics/joint_conventions.h converts.
 
 namespace raven2_trainer {
 
@@ -35,7 +36,7 @@ enum class PlanningAnswer : std::uint8_t {
   kNotNow,             ///< not in this mode, or the pedal is down
   kNoPlan,             ///< no plan, or not the requested one
   kMoved,              ///< an arm has moved since the plan was requested
-  kNoRobot,            ///< the robot must move, but it is not ready, not connected or not engaged
+  kNoRobot,            ///< for `on_robot`: no fresh state of a homed robot, or the daemon is disengaged
   kRobotCannotFollow,  ///< the robot's own inverse kinematics would leave the path
 };
 constexpr std::size_t kPlanningAnswerCount = 7;
@@ -52,7 +53,7 @@ struct RequestAnswer {
 struct PlanningState {
   PlanningStatus status{PlanningStatus::kIdle};
   Arm arm{Arm::kGold};                           ///< arm of the goal selection or the plan
-  std::uint8_t on_robot{};                       ///< kArmed, kExecuting: 1 the robot moves too
+  std::uint8_t on_robot{};                       ///< kArmed, kExecuting: 1 if the robot moves too; else 0
   PlanningAnswer answer{PlanningAnswer::kNone};  ///< to the request `answered`
   std::uint32_t answered{};                      ///< Request::id of the newest that was answered
   std::uint32_t plan{};                          ///< id of the plan from kPlanning on; 0: no plan
@@ -76,20 +77,20 @@ struct ArmState {
   std::uint32_t contacts{};   ///< contact points on this arm in this step
 };
 
-/** Faults in the daemon in one tick. Bit i of a mask: row i of the armed plan acts. */
+/** Faults that the daemon applies in one tick. Bit i of a mask is 1 while FaultPlan::faults[i] acts. */
 struct DaemonFaults {
-  std::uint32_t active{};                 ///< Fault::id of the first that acts; 0: no fault
-  std::uint8_t relay{};                   ///< mask of those on the stream to the robot
-  std::uint8_t master{};                  ///< mask of those on the masters' stream
-  std::uint8_t console{};                 ///< mask of those on the surgeon's force and image
-  std::uint8_t picture{};                 ///< PictureFault, by FaultVariable::kPicture
-  std::uint32_t picture_delay_ms{};       ///< [ms] kPictureDelay
-  PerArm<double> force_gain{{1.0, 1.0}};  ///< kForceGain
-  PerArm<Vec3> force_offset_B{};          ///< [N] kForceOffset
+  std::uint32_t active{};                 ///< Fault::id of one that acts, in the order relay, master, console; 0: no
+  std::uint8_t relay{};                   ///< mask of faults on the stream to the robot
+  std::uint8_t master{};                  ///< mask of faults on the masters' stream
+  std::uint8_t console{};                 ///< mask of faults on the surgeon's force and image
+  std::uint8_t picture{};                 ///< PictureFault that a fault of variable kPicture sets; 0: no fault
+  std::uint32_t picture_delay_ms{};       ///< [ms] set by kPictureDelay
+  PerArm<double> force_gain{{1.0, 1.0}};  ///< [-] set by kForceGain
+  PerArm<Vec3> force_offset_B{};          ///< [N] set by kForceOffset
   FaultSignals signals{};                 ///< inputs of triggers
 };
 
-/** Pose of the movable camera. Its lens is configured. */
+/** Pose of the movable camera. Its field of view is in the configuration (CameraConfig). */
 struct CameraState {
   Vec3 eye_W{};                ///< [m]
   Vec3 target_W{};             ///< [m] point in the image's centre
@@ -105,15 +106,15 @@ struct ModelState {
   std::uint8_t pedal{};        ///< 1 while the surgeon's pedal is down, 2 while a CRTK client's is (core/command.h)
   std::uint8_t engaged{1};     ///< 1 while the daemon sends the surgeon's motion to the robot
   std::uint8_t robot_fresh{};  ///< 1 while the robot is connected and its state at most 20 ms old
-  std::uint8_t linked{};  ///< 1 while model and robot move from a common pose: cue allowed, robot engaged
+  std::uint8_t linked{};       ///< 1 while the same commands move model and robot, from a common pose; else no force
   std::uint32_t commands_used{};  ///< master commands that moved the model in this tick
   std::uint32_t guide_plan{};     ///< id of the plan whose path may guide the hand; 0: no plan
   PerArm<Vec3> master_I{};      ///< [m] [@frame I] sum of all increments of the masters, used or not; clients' excluded
   PlanningState planning{};     ///< progress of planning and execution
   ExerciseState exercise{};     ///< progress of the exercise
   CameraState camera{};         ///< pose of the movable camera
-  std::uint32_t pedals{};       ///< Pedal bits held
-  std::uint32_t trial_ticks{};  ///< [1 ms] recorded length of the virtual trial
+  std::uint32_t pedals{};       ///< bit(Pedal::kCamera) while the masters move the camera; other bits are 0
+  std::uint32_t trial_ticks{};  ///< [1 ms] length of the recorded virtual trial
   std::uint8_t view{};          ///< 1: the real camera's image is selected
   DaemonFaults faults{};        ///< effects in the daemon
   PerArm<ArmState> arms{};
@@ -144,9 +145,9 @@ struct RobotArmState {
 /** The robot, from its newest state frame. */
 struct RobotState {
   std::uint64_t cycle{};          ///< robot control cycle that sent the frame
-  std::uint64_t frame{};          ///< frames applied so far; 0: the rest has no meaning yet
+  std::uint64_t frame{};          ///< frames applied on this connection; 0: the robot's data are not valid yet
   std::int64_t time_ns{};         ///< [ns] the robot computer's CLOCK_MONOTONIC in that cycle; in lockstep tick x 1e6
-  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC of the receipt minus the delay; in lockstep tick x 1e6
+  std::int64_t received_ns{};     ///< [ns] CLOCK_MONOTONIC at receipt minus wire::FrameDelay; in lockstep tick x 1e6
   std::uint32_t last_sequence{};  ///< ITP sequence number that the robot stores as its last
   std::uint32_t active_fault{};   ///< Fault::id acting in that cycle; 0: no fault
   RunLevel runlevel{RunLevel::kEStop};
@@ -154,15 +155,15 @@ struct RobotState {
   std::uint8_t connected{};  ///< 1 while the TCP link is up
   std::uint8_t homed{};
   std::uint8_t soft_estopped{};
-  std::uint8_t fault_mask{};                     ///< bit i: row i of the armed plan acts in that cycle
-  ProgramState program{ProgramState::kRunning};  ///< not transmitted: a stopped program sends nothing
+  std::uint8_t fault_mask{};                     ///< bit i: FaultPlan::faults[i] acts in that cycle
+  ProgramState program{ProgramState::kRunning};  ///< known in lockstep only: a stopped program sends no frame
   std::uint8_t is_virtual{};                     ///< 1 only if the hello said "virtual"; anything else is a real robot
   PerArm<RobotArmState> arms{};
   LinkCounts itp{};  ///< the robot's own count of our packets
 };
 static_assert(std::is_trivially_copyable<RobotState>::value, "crosses threads word by word");
 
-/** Forces for the hands in one tick. With the states of model and robot, it determines the next tick. */
+/** Forces on the hands in one tick. Re-simulation computes them from earlier ticks and both states, model and robot. */
 struct HapticState {
   Tick tick{-1};                    ///< model tick it was computed from
   std::uint64_t count{};            ///< haptic ticks so far
@@ -175,12 +176,12 @@ struct HapticState {
   PerArm<Vec3> guidance_B{};        ///< [N] wanted by the guidance along a path
   PerArm<Vec3> edge_B{};            ///< [N] wanted at the edge of the master's workspace
   PerArm<double> gain{{1.0, 1.0}};  ///< [-] share of the cue that the passivity controller allows
-  PerArm<double> energy{};          ///< [J] given to the hand by all parts, minus what the force takes back
+  PerArm<double> energy{};          ///< [J] given to the hand by all forces, minus what they take back (haptics.md: M)
   PerArm<double> allowance{};       ///< [J] limit of `energy`; both determine the share of guidance and edge
   PerArm<double> guidance_fade{};   ///< [-] 0 no guidance to 1 full guidance
   PerArm<Vec3> master_I{};          ///< [m] ModelState::master_I of `tick`
   PerArm<Vec3> hand_I{};            ///< [m] hand position from the assumed middle of its workspace
-  std::uint32_t guide_plan{};       ///< id of the plan of the available path; 0: no plan
+  std::uint32_t guide_plan{};       ///< id of the plan whose path can guide the hand; 0: no path, or guidance is off
   std::uint8_t pedal{};             ///< ModelState::pedal of `tick`
   std::uint8_t active{};            ///< 1 while forces may act: linked, model and robot fresh; else forces fall to 0
 };

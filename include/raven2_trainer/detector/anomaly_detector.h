@@ -11,16 +11,16 @@ namespace raven2_trainer::detector {
 
 constexpr std::size_t kAxes = kDetectorAxes;  ///< shoulder, elbow, insertion: the first three joints, as in DSN 2016
 
-/** Constants of the drives that the robot's control software knows. It contains nothing of the plant. */
+/** Constants of the drives from the robot's control software. None comes from the emulated plant. */
 struct Drives {
   ArmGeometry geometry{};
   PerArm<Vec3> torque_per_count{};            ///< [Nm/count] at the capstan, by arm and axis, signed
-  std::array<Vec3, kAxes> joint_per_motor{};  ///< [rad/rad; m/rad] rows: joints
+  std::array<Vec3, kAxes> joint_per_motor{};  ///< [rad/rad; m/rad] cable coupling; one row per joint
   Vec3 position_gain{};                       ///< [Nm/rad] kp of the control law, in motor space
-  Vec3 clip{};                                ///< [counts] largest command that passes the robot's own check
+  Vec3 clip{};                                ///< [counts] limit to which the robot's own check clips a command
 };
 
-/** State in one cycle, before the command is written. */
+/** State of both arms in one control cycle, before its command is written. */
 struct Observation {
   PerArm<JointArray> motor{};                     ///< [rad] measured
   PerArm<JointArray> q{};                         ///< [rad; m] the robot's joints, computed from `motor`
@@ -28,15 +28,15 @@ struct Observation {
   bool engaged{};                                 ///< PEDAL_DN: brakes off, motors may move
 };
 
-/** Predicted effect of the command on one axis. Rule `published`: one control step ahead. Rule `departure`: the change
- *  that the command causes against the motor's mean velocity over `memory`. */
+/** Predicted effect of the command on one axis. Velocities: rule `published` predicts them one control step ahead; rule
+ *  `departure` divides the predicted departure from the surgeon's motion by `braking_time`. */
 struct Prediction {
   double acceleration{};    ///< [rad/s2] of the motor, in this cycle
   double motor_velocity{};  ///< [rad/s]
   double joint_velocity{};  ///< [rad/s; m/s]
 };
 
-/** Bits of the quantities that exceed their thresholds. */
+/** Bits of Verdict::agreeing: the quantities that exceed `factor` times their thresholds. */
 namespace agreeing {
 constexpr std::uint8_t kAcceleration = 1, kMotorVelocity = 2, kJointVelocity = 4, kAll = 7;
 }
@@ -46,24 +46,24 @@ struct Verdict {
   bool alarm{};
   Arm arm{Arm::kGold};
   std::uint8_t joint{};     ///< the joint nearest to an alarm
-  std::uint8_t agreeing{};  ///< bits of that joint's quantities, see above
-  double size{};            ///< [-] largest factor on all thresholds with an alarm; larger than `factor` means alarm
+  std::uint8_t agreeing{};  ///< bits of that joint's quantities
+  double size{};            ///< [-] least ratio of a quantity or `excursion` to its threshold; above `factor`: alarm
   double excursion{};       ///< [m] predicted departure of that arm's tip
 };
 
 /**
- * Whether an arm's motion counts as a fault's motion. Suspicion begins with a suspicious command within the clip after
- * a calm `memory`. It lasts while the predicted departure of the tip is too large, at most `suspicion_time`: the
- * control law soon opposes the fault, and so hides it. Commands beyond the clip have their own rule and end the
- * suspicion. Real-time safe.
+ * Whether an arm's motion counts as a fault's motion. The control law soon opposes a fault and so hides it, so
+ * suspicion must last. It begins with a command within the clip whose size exceeds DetectorConfig::suspicion, if no
+ * such command and none beyond the clip came during the last `memory`. It ends when the predicted departure of the tip
+ * is small, with a command beyond the clip (which has its own rule), or after `suspicion_time`. Real-time safe.
  */
 class Suspicion {
  public:
   explicit Suspicion(const DetectorConfig& config) noexcept;
 
   bool holds() const noexcept { return age_ > 0; }
-  /** @param[in] size of the arm's last verdict. @param[in] departs predicted departure of the tip divided by
-   *  `excursion`. */
+  /** @param[in] size largest Verdict::size of the arm's joints. @param[in] departs predicted departure of the tip
+   * divided by `excursion`. */
   void step(double size, double departs, bool is_beyond_clip) noexcept;
   void forget() noexcept { age_ = calm_ = 0; }
 
@@ -75,29 +75,29 @@ class Suspicion {
 };
 
 /**
- * Detector of unsafe commands after Alemzadeh et al., DSN 2016. A model of each motor axis predicts the effect of a
- * command before it is written, from the measured state and the command. An alarm needs three quantities of one of the
- * first three joints beyond their thresholds in the same step: motor acceleration, motor velocity and joint velocity.
- * The thresholds are learnt from fault-free runs.
+ * Detects unsafe motor commands before they are written, as in Alemzadeh et al., DSN 2016. A model of each motor axis
+ * predicts the effect of a command from the measured state. An alarm needs three quantities of one of the first three
+ * joints beyond their thresholds in the same step: motor acceleration, motor velocity and joint velocity. The
+ * thresholds are learnt from fault-free runs. The model treats each axis alone (inertia, viscous and Coulomb friction,
+ * gravity linear in the joints). Its parameters are identified from commands and encoders alone.
  *
- * Rule `departure` deviates from the paper (doc/detector.md gives the reasons). Its velocity is the change that the
- * command causes against the mean over `memory`. The predicted departure of the tip must also exceed `excursion`. The
- * model treats each axis alone (inertia, viscous and Coulomb friction, gravity linear in the joints). Its parameters
- * are identified from commands and encoders alone.
+ * Rule `departure` deviates from the paper: see Prediction. In addition, the predicted departure of the tip must exceed
+ * `excursion` (doc/detector.md).
  *
- * Real-time safe: no allocation, no locks, no throw. Both arms share one object.
+ * Real-time safe: no allocation, no locks, no throw. One object serves both arms.
  */
 class AnomalyDetector {
  public:
   AnomalyDetector(const DetectorConfig& config, const Drives& drives) noexcept;
 
-  /** Runs one control cycle. Without `engaged` there is no alarm, and the memory is cleared. */
+  /** Call in each control cycle. Without `engaged` there is no alarm, and the memory is cleared. The first engaged
+   * cycle gives no alarm. */
   const Verdict& step(const Observation& now) noexcept;
 
   const Verdict& verdict() const noexcept { return verdict_; }
   /** Prediction of the last engaged step. */
   const Prediction& prediction(Arm arm, std::size_t axis) const noexcept { return at(predictions_, arm)[axis]; }
-  double excursion(Arm arm) const noexcept { return at(excursion_, arm); }  ///< [m]
+  double excursion(Arm arm) const noexcept { return at(excursion_, arm); }  ///< [m] predicted departure of the tip
 
  private:
   void predict(Arm arm, const Observation& now) noexcept;
@@ -117,7 +117,7 @@ class AnomalyDetector {
   PerArm<Vec3> velocity_{};       // [rad/s]
   PerArm<Vec3> mean_velocity_{};  // [rad/s] over `memory`, without motion under commands beyond the clip
   PerArm<Vec3> surgeons_{};       // [rad/s] mean_velocity_, frozen under suspicion: the surgeon's motion
-  PerArm<Vec3> travelled_{};      // [rad] travel beyond the surgeon's motion, while the motion counts as a fault's
+  PerArm<Vec3> travelled_{};      // [rad] travel beyond the surgeon's motion, under suspicion or beyond the clip
   PerArm<std::array<bool, kAxes>> was_beyond_{};
   PerArm<Suspicion> suspicion_;
   PerArm<std::array<Prediction, kAxes>> predictions_{};
@@ -126,8 +126,8 @@ class AnomalyDetector {
 };
 
 /**
- * Acceleration [rad/s2] of a motor axis under a capstan torque [Nm] at a velocity [rad/s]. Below half an encoder count
- * per cycle the axis is at rest: friction then opposes the torque, up to its Coulomb value. Real-time safe.
+ * Acceleration [rad/s2] of a motor axis under a capstan torque [Nm] at a velocity [rad/s]. An axis slower than half an
+ * encoder count per cycle is at rest: friction then opposes the torque, up to its Coulomb value. Real-time safe.
  * @param[in] q joints [rad; m], for gravity.
  */
 double acceleration(const DetectorAxis& axis, double torque, double velocity, const JointArray& q) noexcept;

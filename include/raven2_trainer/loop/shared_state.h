@@ -26,8 +26,8 @@ namespace raven2_trainer {
 
 /**
  * The one struct that the daemon's threads share. Every cell has one writer, every ring one producer and one consumer:
- * the threads on the line above (doc/architecture.md). No locks. About 13 MiB with its queues: allocate on the heap,
- * once.
+ * the threads that the comment above it names (doc/architecture.md). No locks. About 13 MiB with its queues: allocate
+ * on the heap, once.
  */
 struct SharedState {
   /** Creates its record queues. */
@@ -59,7 +59,7 @@ struct SharedState {
   StateCell<FaultPlan> faults;
   // written by physics: newest result of the planner, also if cancelled
   StateCell<PlanResult> last_plan;
-  // written by physics: report of the newest execution of a plan
+  // written by physics: report of the newest execution of a plan or a trial
   StateCell<ExecutionReport> last_execution;
   // written by physics: newest events of the exercise
   StateCell<ExerciseNews> exercise_news;
@@ -75,8 +75,9 @@ struct SharedState {
   StateCell<std::uint8_t> stereo_watched;
   // written by planner: tip path of the newest successful plan
   StateCell<GuidePath> guide_path;
-  // written by ingest: counts of ITP packets; newest stream with mostly rejected packets
+  // written by ingest: counts of ITP packets
   StateCell<LinkCounts> master_link;
+  // written by ingest: newest stream with mostly rejected packets
   StateCell<StreamFinding> master_stream;
   // written by ingest: counts of pedal packets
   StateCell<LinkCounts> pedal_link;
@@ -94,14 +95,14 @@ struct SharedState {
   StateCell<FaultedPackets> master_faults;
   // written by physics
   StateCell<FaultedPackets> relay_faults;
-  // written by sender
+  // written by sender: effect of a fault's bad network
   StateCell<FaultedPackets> relay_network;
   // written by render
   StateCell<LivePicture> live_picture;
   // written by recorder
   StateCell<RecorderStatus> recorder;
 
-  // --- every element counts ------------------------------------------------------------------------------------
+  // --- rings: each element arrives once -------------------------------------------------------------------------
   // ingest -> physics
   SpscRing<MasterCommand, 256> master_commands;
   // ros -> physics
@@ -112,8 +113,8 @@ struct SharedState {
   ServoQueue servo_commands;
   // physics -> ros (crtk): rejected commands
   SpscRing<ServoRefused, 256> servo_refused;
-  // physics -> ros: one answer to each request except the daemon's own; not in ringCounts(), because without a ROS
-  // master they are not read. /diagnostics reports how many were dropped.
+  // physics -> ros: answers to requests with an id above kOwnRequestIds. Not in ringCounts(): without a ROS master
+  // nobody reads these three rings. /diagnostics reports how many answers they dropped.
   SpscRing<RequestAnswer, 64> answers;
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_answers;
   SpscRing<ExecutionReport, 8> execution_answers;
@@ -125,8 +126,8 @@ struct SharedState {
   SpscRing<PlanRequest, kMaxPlansUnderWay> plan_requests;
   // planner -> physics
   SpscRing<PlanResult, kMaxPlansUnderWay> plan_results;
-  // physics -> planner: the plan is cancelled. Index: PlanRequest::serial modulo the size; one flag per pending plan.
-  // physics clears the flag before it pushes the request. PlannerWorker::cancel() sets all at the program's end.
+  // physics -> planner: true: plan cancelled. Index: PlanRequest::serial modulo the size; one flag per pending plan.
+  // physics clears it before it pushes the request. At the end the main thread sets all (PlannerWorker::cancel()).
   std::array<std::atomic<bool>, kMaxPlansUnderWay> plan_cancelled{};
   // physics -> sender
   SpscRing<RelayPacket, 256> relay_packets;
@@ -150,8 +151,8 @@ struct SharedState {
   // --- counters (one writer each, any reader) --------------------------------------------------------------------
   Counter master_used;       // physics
   Counter master_overruled;  // physics: the console's commands while a CRTK client held the pedal
-  Counter servo_made;        // physics: commands from CRTK clients' motion
-  Counter efforts_made;      // physics: requests from CRTK clients' forces
+  Counter servo_made;        // physics: commands made from CRTK clients' motions
+  Counter efforts_made;      // physics: requests made from CRTK clients' forces
   Counter servo_unread;      // ros: invalid messages of CRTK clients
   Counter ik_clamped;        // physics: ticks clamped at a joint limit
   Counter relay_sent;        // sender
@@ -160,12 +161,12 @@ struct SharedState {
   Counter sight_sent;        // sight
 
   Counter contacts_dropped;          // physics: beyond ContactList's capacity
-  Counter fault_changes_lost;        // robot_link: missing, or dropped by the full ring
-  Counter fault_changes_unreported;  // physics: beyond an engine's capacity in a tick
-  Counter relay_failed;              // sender: the system rejected it
-  Counter relay_released;            // sender: generated pedal-up packets
+  Counter fault_changes_lost;        // robot_link: the robot's; missing, or dropped by the full ring
+  Counter fault_changes_unreported;  // physics: the daemon's; more in a tick than a FaultEngine notes
+  Counter relay_failed;              // sender: the system rejected them
+  Counter relay_released;            // sender: pedal-up packets added at its end
   Counter force_failed;              // sender
-  Counter force_silent;              // sender: generated zero forces
+  Counter force_silent;              // sender: zero-force packets added at its end
   Counter sight_failed;              // sight
  private:
   explicit SharedState(std::unique_ptr<RecordRings> queues) : SharedState(queues.get()) {
@@ -185,7 +186,7 @@ inline std::array<RingCounts, kRingCount> ringCounts(const SharedState& s) noexc
           s.change_records.counts(),  s.execution_records.counts(), s.exercise_records.counts()};
 }
 
-/** Counters in the shared state; the caller adds those of links and loops. Any thread. */
+/** The counters of the shared state that SessionCounts has; the caller adds those of links and loops. Any thread. */
 inline SessionCounts sharedCounts(const SharedState& s) noexcept {
   SessionCounts c;
   c.master_used = s.master_used.value();

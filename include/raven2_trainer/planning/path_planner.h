@@ -14,32 +14,38 @@
 namespace raven2_trainer::planning {
 
 /**
- * Planners that solve the same problem: same state space, checks, cost and seed. FMTstar is ours (planning/fmt_star.h).
+ * Planners for one problem, with the same state space, checks, cost and seed. FMTstar is ours (planning/fmt_star.h).
  * The others are OMPL's; OMPL's FMT chooses neighbours by cost instead of distance.
  */
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
-/** OMPL allocates its global objects at their first use. A program whose `new` is not the heap calls this before. */
+/** Allocates OMPL's global objects now, not at their first use. Call it first if `new` may later take other memory than
+ * the heap's (src/python/heap.cpp). */
 void initialiseOmpl();
 
-/** True for FMTstar and FMT, which take PlanOptions::samples. The others sample until they find a path or time out. */
+/** True for FMTstar and FMT, which take PlanOptions::samples. The others sample until they find a path or time out. In
+ * lockstep there is no time limit: they then give up after PlanOptions::samples drawn samples, free or not, and as many
+ * again for each path that the simulated arm could not follow. */
 bool takesSamples(const std::string& planner);
 
 /** True for FMTstar. OMPL's planners report neither the number of free samples nor the sampling time. */
 bool reportsSamples(const std::string& planner);
 
-/** Settings of one plan, in place of those in config/planner.yaml. */
+/** Settings of one plan, instead of those in config/planner.yaml. */
 struct PlanOptions {
-  std::string planner;          ///< one of kPlannerNames
-  std::uint32_t samples{};      ///< n of the paper: collision-free samples at the start
-  std::uint32_t max_samples{};  ///< most, also after failures; equal to `samples`: no additions (success at exactly n)
+  std::string planner;               ///< one of kPlannerNames
+  std::uint32_t samples{};           ///< n of Li et al. 2017 (doc/sources.md): collision-free samples before any are
+                                     ///< added. Planners that do not take it: see takesSamples()
+  std::uint32_t max_samples{};       ///< FMTstar: limit for samples added after failures; equal to `samples`: no
+                                     ///< additions. The others ignore it
   std::uint32_t improve_attempts{};  ///< [-] attempts to improve the path locally; 0: plain FMT*
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
-  double eta_clearance{};            ///< eta3: weight of the clearance term
-  double time_limit{};               ///< [s]
-  bool until_time_limit{};  ///< anytime planners (RRTstar, PRMstar, BITstar, ABITstar) use the whole time limit
+  double eta_clearance{};            ///< eta3: weight of the clearance term, not in eq. (1)
+  double time_limit{};               ///< [s] not in lockstep
+  bool until_time_limit{};           ///< RRTstar, PRMstar, BITstar, ABITstar improve the path until the time limit;
+                                     ///< in lockstep they return their first path
 };
 
 /** The settings in config/planner.yaml. */
@@ -50,36 +56,37 @@ struct PlanProgress {
   std::atomic<std::uint32_t> samples{0};   ///< collision-free samples so far; 0 unless reportsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
   std::atomic<std::uint32_t> rollouts{0};  ///< roll-outs: paths that a simulated arm followed
-  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: no path yet
+  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: no path
 };
 
-/** Effort of one plan, for studies. Times are wall clock; in lockstep they stay 0. */
+/** Effort of one plan, for studies. Times are wall clock; in lockstep they are 0. */
 struct PlanStatistics {
   std::uint32_t samples{};              ///< as PlanProgress::samples
   std::uint64_t draws{};                ///< samples drawn, free or not
-  std::uint64_t state_checks{};         ///< states checked for collision, without those within edges
+  std::uint64_t state_checks{};         ///< states checked for collision, except those on edges
   std::uint64_t edge_checks{};          ///< edges checked for collision
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
-  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, also incomplete ones
+  std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, also those cut short
   std::uint32_t rollouts{};             ///< as PlanProgress::rollouts
-  std::uint32_t failed_rollouts{};      ///< of these, roll-outs in which the arm touched something or left the path
-  std::uint32_t rounds{};               ///< how often samples were added after a failure
+  std::uint32_t failed_rollouts{};      ///< roll-outs in which the arm touched something or left the path
+  std::uint32_t rounds{};               ///< how often samples were added
   double plain_cost{};                  ///< eq. (1) before the local improvement
   double improved_cost{};               ///< eq. (1) of the path returned
-  double clearance_cost{};              ///< the eta3 term of the path returned
-  double goal_time{};                   ///< [s] checking the start, finding the goal, choosing the arm
-  double sampling_time{};               ///< [s] if reportsSamples(); else part of search_time
-  double neighbour_time{};              ///< [s] finding neighbours; likewise
+  double clearance_cost{};              ///< clearance term of the path returned
+  double goal_time{};                   ///< [s] to check the start, find the goal, choose the arm
+  double sampling_time{};               ///< [s] of FMTstar; of OMPL's planners part of search_time
+  double neighbour_time{};              ///< [s] to find neighbours; likewise
   double search_time{};                 ///< [s] the rest of the search: costs, edge checks
   double improvement_time{};            ///< [s]
   double rollout_time{};                ///< [s]
 };
 
 /**
- * FMT* path planner for one arm: six joints at a fixed jaw opening (paper, 2.3). The state space is the unit cube. The
- * cost is eq. (1) plus a clearance term. Before a path is returned, a simulated arm follows it, and FCL checks the
- * motion on the shapes of the URDFs. Each plan() has its own OMPL problem and never uses the live ODE world. Not
- * real-time safe. One thread at a time may use a planner; several planners may run in parallel.
+ * Path planner for one arm: six joints at a fixed jaw opening (Li et al. 2017, 2.3), each scaled to 0..1. The search
+ * minimises eq. (1) plus a clearance term; reported costs are eq. (1) alone. With a ModelConfig, a simulated arm must
+ * follow a path before it is returned; FCL checks that motion for contact on the shapes of the URDFs. The live ODE
+ * world is never used. Not real-time safe. One thread at a time may use a planner; several planners may run in
+ * parallel.
  *
  * The free bodies of the scene (the ring) are no obstacles, because the goal is at the ring.
  *
@@ -89,11 +96,11 @@ struct PlanStatistics {
 class PathPlanner {
  public:
   /**
-   * A planner without a simulated arm: its paths keep the clearance along straight edges in joint space.
+   * A planner without a simulated arm: it only checks that the path's straight edges in joint space keep the clearance.
    * @param[in] raven Must outlive this. @throw ModelException if a collision shape is a mesh.
    */
   PathPlanner(const model::RavenModel& raven, const model::SceneModel& scene, const PlannerConfig& config);
-  /** A planner that returns only paths on which an arm, simulated with `model`, touches nothing. */
+  /** A planner that returns only paths that an arm, simulated with `model`, follows without contact. */
   PathPlanner(const model::RavenModel& raven,
               const model::SceneModel& scene,
               const PlannerConfig& config,
@@ -102,24 +109,26 @@ class PathPlanner {
 
   /** Computes the data of the scene, in some tenths of a second, unless this was done before.
    *  @param[in] cancel Set it in another thread to cancel. The next prepare() or plan() starts again.
-   *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. plan() then returns kFailed or kCancelled.
+   *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. Within plan(), these give kFailed or
+   *  kCancelled instead.
    */
   void prepare(const std::atomic<bool>& cancel);
-  /** As prepare(cancel), but cannot be cancelled. */
+  /** The same, but cannot be cancelled. */
   void prepare();
 
   /**
-   * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the sample limit
-   * and, unless `lockstep`, at the time limit. The same request, options and seed give the same path; with OMPL's
-   * planners, only in lockstep and if they plan one at a time in the process. A path of more than kMaxWaypoints gives
-   * kNoPath. PlanResult::planning_time is measured; in lockstep it stays 0.
+   * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the time limit, or
+   * in lockstep at the limit of samples (`max_samples` with FMTstar, else takesSamples()). The same request, options
+   * and seed give the same path. With OMPL's planners, which share a random generator, only in lockstep and with one
+   * plan at a time in the process. A path of more than kMaxWaypoints gives kNoPath. PlanResult::planning_time is
+   * measured; in lockstep it is 0, and the lockstep loop then sets it to `lockstep_plan_delay`.
    * @param[in] cancel Set it in another thread: plan() then returns within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
 
   /**
-   * The same with other options. Returns kFailed for an unknown planner, a weight or time limit that is negative or at
-   * least 1e9, and PRMstar in lockstep: its paths differ from run to run.
+   * The same with other options. Returns kFailed for an unknown planner, and for a weight or time limit that is
+   * negative or at least 1e9. Also for PRMstar in lockstep, because its paths differ from run to run.
    * @param[out] statistics May be null.
    */
   PlanResult plan(const PlanRequest& request,
@@ -135,7 +144,7 @@ class PathPlanner {
   /** True if the arm at `q` is nearer than the clearance to the scene, the robot (other arm at `other`) or itself. */
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) const;
 
-  /** Cost, eq. (1), of the straight motion from rest at `a` to rest at `b`, with the jaw opening of `a`. */
+  /** Eq. (1), no clearance term, of the straight motion from rest at `a` to rest at `b` with the opening of `a`. */
   double edgeCost(Arm arm, const JointArray& a, const JointArray& b) const;
 
  private:

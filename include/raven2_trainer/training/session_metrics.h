@@ -27,72 +27,72 @@ class RunningStats {
   double mean_{0.0}, m2_{0.0}, max_{0.0};
 };
 
-/** One activation of a fault as it showed. Ticks are session ticks (from the first pedal down). */
+/** One activation of a fault and its effects. Ticks are session ticks: [1 ms] since the first pedal-down. */
 struct FaultEvent {
   std::string name;
-  Tick first_tick{}, last_tick{};             ///< [1 ms] model clock
-  std::uint64_t first_cycle{}, last_cycle{};  ///< [1 ms] robot clock
-  double max_error{};                         ///< [m] largest tip error from the start until the cue is over
-  double max_force{};                         ///< [N]
-  Tick onset_tick{-1};                        ///< first tick that the haptic loop saw above the tolerance; -1 never
-  Tick force_tick{-1};                        ///< first tick from then on with a force; -1 never
-  Tick end_tick{-1};                          ///< last tick of its aftermath; -1 while it lasts
+  Tick first_tick{}, last_tick{};             ///< ticks in which it acted
+  std::uint64_t first_cycle{}, last_cycle{};  ///< [1 ms] the robot's newest cycles in these ticks
+  double max_error{};                         ///< [m] largest tip error, to the end of the aftermath
+  double max_force{};                         ///< [N] largest force in the same time
+  Tick onset_tick{-1};                        ///< first haptic tick with an error above the tolerance; -1: never
+  Tick force_tick{-1};                        ///< first tick from then on with a force; -1: never
+  Tick end_tick{-1};                          ///< last tick of its aftermath; -1: not in the log
 
   /** [ms] from the error passing the tolerance to the force; -1 if either never came. */
   Tick errorToForce() const noexcept { return force_tick < 0 ? -1 : force_tick - onset_tick; }
 };
 
-/** One row of a fault plan from when it began to act until it ended: the ground truth, as its host reported it. */
+/** One period in which a row of a fault plan acted: the ground truth, as the program that applied it reported. */
 struct Injection {
-  Fault fault{};  ///< id 0: not in the record
+  Fault fault{};  ///< id 0: the log does not have the row
   std::string name;
-  Tick inject_tick{};            ///< [1 ms] session ticks, -1 before the first pedal down; in which the daemon knew
-  Tick clear_tick{-1};           ///< in which it knew the end, or lost the robot; -1 it lasts to the end
-  std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock; a robot's own fault: exactly the first cycle with it
-  std::uint64_t clear_cycle{};   ///< exactly the first without it; 0: it lasts to the end
-  bool is_assumed{};             ///< the end is only the loss of the robot's link
-  Tick observe_tick{-1};         ///< first session tick with the tips parted by more than the tolerance; -1 never
+  Tick inject_tick{};   ///< [1 ms] session tick of the report that it began; -1: before the first pedal-down
+  Tick clear_tick{-1};  ///< session tick of the report that it ended, or of the robot's loss; -1: none, or as above
+  std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock: first cycle with a fault of the robot, else its newest cycle
+  std::uint64_t clear_cycle{};   ///< the same, first cycle without the fault; 0: it did not end
+  bool is_assumed{};             ///< the end was not reported: the robot was lost
+  Tick observe_tick{-1};         ///< FaultEvent::onset_tick of the first event with one from inject_tick on; -1: never
 };
 
-/** A plan that was to be executed. */
+/** A plan whose execution was requested. */
 struct Execution {
   ExecutionReport report{};
-  Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1 it never came, or is not in the log
+  Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1: it never came, or is not in the log
 };
 
 constexpr std::size_t kMaxInjections = 100'000;  ///< of a session: 40 MB
-constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session, a second each for three hours: 1 MB
+constexpr std::size_t kMaxExecutions = 10'000;   ///< of a session: 1 MB, one a second for 2.8 hours
 
 struct SessionMetrics {
-  double duration{};         ///< [s] from the first pedal down
-  std::uint64_t ticks{};     ///< of the same span
-  RunningStats error;        ///< [m] tip distance, larger arm, while both follow the surgeon, outside faults
+  double duration{};         ///< [s] from the first pedal-down
+  std::uint64_t ticks{};     ///< tick records of this time
+  RunningStats error;        ///< [m] tip error, larger arm, where it counts (see below), outside faults and aftermaths
   double error_max_force{};  ///< [N] largest force outside faults and their aftermath
   std::vector<FaultEvent> faults;
   std::vector<Injection> injections;
-  double max_force{};  ///< [N]
-  double tolerance{};  ///< [m]
-  PlanResult plan{};   ///< newest, status kNone if none was asked for
+  double max_force{};  ///< [N] largest force of the session
+  double tolerance{};  ///< [m] tip error up to which there is no force
+  PlanResult plan{};   ///< newest; status kNone: no plan was requested
   std::vector<Execution> executions;
-  std::uint64_t executions_beyond{};  ///< beyond the longest list, kMaxExecutions
+  std::uint64_t executions_beyond{};  ///< number of those after kMaxExecutions
   std::string exercise{"none"}, drill{"none"};
   std::vector<ExerciseAttempt> attempts;  ///< at the exercise
-  std::uint64_t attempts_beyond{};        ///< beyond the longest list, kMaxAttempts
+  std::uint64_t attempts_beyond{};        ///< number of those after kMaxAttempts
   SessionCounts counts{};
   std::uint64_t frames{};             ///< of video.mp4; 0 before it is rendered
-  std::uint64_t injections_beyond{};  ///< beginnings beyond the longest list, kMaxInjections
+  std::uint64_t injections_beyond{};  ///< number of those after kMaxInjections
   bool complete{};                    ///< the log has its last record, the counters
 };
 
 /**
- * Feeds on the records of a session and gives the metrics. The aftermath of a fault belongs to it: from its first
- * tick until the error has stayed below the tolerance for 500 ms after its last. The error is looked at while model and
- * robot follow the surgeon, or a plan, from a common pose (mode teleoperating or executing, `linked`) and the robot's
- * state is fresh. A stale robot stops the 500 ms; without a common pose they run on, because the next pedal down makes
- * a new one.
+ * Computes the metrics of a session from its records. A fault event includes the fault's aftermath, which ends when the
+ * tip error has been within the tolerance for 500 ms after the fault's last tick, or with the next fault. The tip error
+ * counts while model and robot follow the surgeon or a plan from a common pose (mode teleoperating or executing,
+ * `linked`) and the robot's state is fresh. A stale state restarts the 500 ms. Without a common pose they continue,
+ * because the next pedal-down makes a new one.
  *
- * Records of one kind come in order, changes of faults and events of the exercise before the tick that they belong to;
- * haptic records may come before or after theirs (two threads write them), so each waits for its tick.
+ * Add records of one kind in order, and changes of faults and events of the exercise before their tick. Haptic records
+ * may come before or after their tick, because another thread writes them: each waits for its tick.
  */
 class MetricsAccumulator {
  public:
@@ -112,10 +112,10 @@ class MetricsAccumulator {
   struct Force {
     Tick model_tick{};
     double newton{};  ///< [N] larger of both arms
-    double error{};   ///< [m] the same, of model and robot as the haptic loop saw them; 0 while it may give no force
+    double error{};   ///< [m] larger tip error of both arms in the haptic loop; 0 while forces may not act
   };
 
-  /** A row that acts, or acted; the plans have the rest of it. */
+  /** An injection and the change that began it; its Fault is in plans_. */
   struct Span {
     FaultChange begin{};
     Tick model_tick{};
@@ -147,28 +147,30 @@ class MetricsAccumulator {
   SessionMetrics metrics_;
   std::deque<Force> waiting_;
   ExerciseTally exercise_;
-  std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick with which the model began to execute a plan
+  std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick in which each execution began
   bool executes_{false};
   std::vector<FaultRecord> plans_;
-  std::deque<FaultChangeRecord> changes_;  ///< that wait for their tick
+  std::deque<FaultChangeRecord> changes_;  ///< those that wait for their tick
   std::vector<Span> spans_;
-  std::vector<std::size_t> open_;  ///< of them, those that act
+  std::vector<std::size_t> open_;  ///< indices in spans_ of those that act
   bool was_connected_{false};
-  Tick first_{-1};      ///< session tick of the first tick seen in the session; -1 before
-  Tick now_{-1};        ///< session tick being looked at
-  Tick model_now_{-1};  ///< its model tick
+  Tick first_{-1};      ///< first session tick in the log; -1: not yet
+  Tick now_{-1};        ///< session tick of the newest tick record
+  Tick model_now_{-1};  ///< model tick of the same record
   std::uint32_t active_fault_{0};
-  Tick calm_since_{-1};  ///< session tick from which the error has been below the tolerance; -1 it is not
+  Tick calm_since_{-1};  ///< session tick in which the 500 ms began; -1: they do not run
 };
 
-/** Metrics of a finished log. @param[in] on_tick called with every tick; what it throws ends it. May be empty.
+/** Metrics of a finished log. The faults of usb_truth.json next to it (training/usb_truth.h) are added, if it exists.
+ *  @param[in] on_tick Called for every tick record; its exception ends the computation and passes on. May be empty.
  *  @throw SessionException. */
 SessionMetrics computeMetrics(const std::string& log_path, const std::function<void()>& on_tick = {});
 
-/** metrics.json; the fields are listed in doc/session.md. @throw SessionException. */
+/** Writes metrics.json; doc/session.md lists its fields. @throw SessionException. */
 void writeMetrics(const std::string& path, const SessionMetrics& metrics);
 
-/** faults.json: ground truth of every fault event on both clocks. @throw SessionException. */
+/** Writes faults.json: when each fault event and injection acted, by session tick and robot cycle.
+ *  @throw SessionException. */
 void writeFaults(const std::string& path, const SessionMetrics& metrics);
 
 /** Sets `frames` in an existing metrics.json. @throw SessionException. */
