@@ -23,24 +23,28 @@ constexpr std::size_t kStateCommandCount = 6;
 constexpr std::array<const char*, kStateCommandCount> kStateCommandNames{"enable", "disable", "pause",
                                                                          "resume", "home",    "unhome"};
 
+/** Commands. The goal of a servo command stays in force, also when it is reached. It ends with the next motion command
+ * for the same part (six joints, or jaws), a hold, a force on joints or tip, or a stop: pedal up, camera pedal, no
+ * path to the goal. */
 enum class ServoKind : std::uint8_t {
   kState,          ///< ServoCommand::state
   kHold,           ///< stays at the set point; discards all motion and forces
   kFree,           ///< as StateCommand::kPause: the brakes hold the arm
   kServoJoints,    ///< servo_jp
-  kServoJointsBy,  ///< servo_jr: relative to the goal of servo_jp or servo_jr, else to the set point; steps add up
+  kServoJointsBy,  ///< servo_jr: relative to the goal in force of servo_jp or servo_jr, else to the set point;
+                   ///< steps add up
   kServoPose,      ///< servo_cp
-  kServoPoseBy,    ///< servo_cr: translation and rotation in B, relative to the goal of servo_cp or servo_cr or the set
-                   ///< point
+  kServoPoseBy,    ///< servo_cr: translation and rotation in B, relative to the goal in force of servo_cp or
+                   ///< servo_cr, else to the set point
   kServoTwist,     ///< servo_cv: twist of the tip, until the next motion or twistTimeout() (control/crtk_config.h)
   kMoveJoints,     ///< move_jp
   kMovePose,       ///< move_cp
   kServoJaw,       ///< jaw/servo_jp
-  kServoJawBy,     ///< jaw/servo_jr: relative to the goal of a servo command, else to the opening
+  kServoJawBy,     ///< jaw/servo_jr: relative to the goal in force of jaw/servo_*, else to the set point's opening
   kMoveJaw,        ///< jaw/move_jp
   kServoRates,     ///< servo_jv: joint rates; ends like kServoTwist
   kMoveJointsBy,   ///< move_jr: relative to the end of the queued moves, else as servo_jr
-  kMoveJawBy,      ///< jaw/move_jr: relative to the newest goal, else to the opening
+  kMoveJawBy,      ///< jaw/move_jr: relative to the end of a jaw/move_* under way, else as jaw/servo_jr
   kServoForces,    ///< servo_jf: torques and forces on the joints; only on the model, like the next two
   kServoWrench,    ///< servo_cf: force and torque at the tip
   kServoJawForce,  ///< jaw/servo_jf
@@ -81,9 +85,10 @@ enum class WrenchFrame : std::uint8_t {
   kOrigin,  ///< along the axes of B, with the torque about B's origin
 };
 
-/** Joints of an arm without its jaws: shoulder to wrist, then the jaws' mid-line (kinematics::jawMidline). */
+/** Joints of an arm without its jaws, in the robot's own coordinates (raven2.md 2.3): shoulder to wrist, then the jaws'
+ * mid-line (kinematics::jawMidline). */
 constexpr std::size_t kServoJointCount = 6;
-using ServoJoints = std::array<double, kServoJointCount>;  ///< [rad; m for kInsertion] DH convention (raven2.md 2.3)
+using ServoJoints = std::array<double, kServoJointCount>;  ///< [rad; m for kInsertion]
 
 /** One command of a client. Frame B is the arm's base; T is the tool tip. */
 struct ServoCommand {

@@ -8,14 +8,15 @@
 #include "raven2_trainer/core/types.h"
 
 // Faults as data: for threads (a StateCell copies them word by word), the TCP link from daemon to virtual Raven, and
-// the log. The variables are in core/fault_variables.h; module `faults` applies faults.
+// the log. core/fault_variables.h has the table of the variables: site, name, unit, elements, range, meaning. Module
+// `faults` applies faults.
 
 namespace raven2_trainer {
 
 /** Where a fault is applied. */
 enum class FaultHost : std::uint8_t {
   kRobot,    ///< the robot's control software: affects the robot, not the model
-  kRelay,    ///< the daemon, on the stream to the robot: affects the robot, not the model (paper, 3.2)
+  kRelay,    ///< the daemon, on the stream to the robot: affects the robot, not the model (Li et al. 2017, 3.2)
   kMaster,   ///< the daemon, on the masters' stream: affects model and robot
   kConsole,  ///< the daemon, on force and image: affects only the surgeon
 };
@@ -74,9 +75,9 @@ enum class FaultKind : std::uint8_t {
   kSignFlip,    ///< multiply by -1
   kRamp,        ///< from the number at onset to `value` in `ramp_ticks`, then hold `value`
   kDrift,       ///< add an offset that grows to `value` in `ramp_ticks`, then stays
-  kRandom,      ///< uniform in [low, high), drawn each time
+  kRandom,      ///< overwrite with a number from [low, high), uniform, drawn each time
   kRandomOnce,  ///< the same, drawn once per occurrence, then held
-  kHoldLast,    ///< hold the number before onset; also for streams, the last packet or frame
+  kHoldLast,    ///< hold the number before onset; streams take this kind, too: hold the last packet or frame
   // streams (packets, state frames)
   kDrop,       ///< each is lost with probability `value`
   kDelay,      ///< each arrives [low, high] ticks later, in order
@@ -95,10 +96,11 @@ constexpr std::array<const char*, kFaultKindCount> kFaultKindNames{
     "drift",   "random",   "random_once", "hold_last",    "drop",  "delay",     "duplicate",
     "reorder", "replay",   "forge",       "impair",       "crash", "hang"};
 
-/** Kinds for variables that are numbers. */
+/** Kinds for variables that are numbers, kHoldLast included. */
 constexpr bool isNumberKind(FaultKind kind) noexcept {
   return kind >= FaultKind::kStuckAt && kind <= FaultKind::kHoldLast;
 }
+/** Kinds for streams alone. Streams also take kHoldLast. */
 constexpr bool isStreamKind(FaultKind kind) noexcept {
   return kind >= FaultKind::kDrop && kind <= FaultKind::kImpair;
 }
@@ -182,7 +184,7 @@ enum class FaultTrigger : std::uint8_t {
   kPedalDown,       ///< first pedal-down cycle; a fault that is due waits while the pedal is up
   kPowerOn,         ///< first cycle
   kHand,            ///< first cycle in which the fault is armed
-  kPacket,          ///< first pedal-down packet; the clock counts packets
+  kPacket,          ///< first pedal-down packet; from it on the clock counts packets, also pedal-up ones
   kRunLevel,        ///< run level `threshold` is reached
   kTissueDistance,  ///< a tip is at most `threshold` [m] from tissue
   kTargetDistance,  ///< a tip is at most `threshold` [m] from the exercise's target
@@ -195,7 +197,9 @@ constexpr std::array<const char*, kFaultTriggerCount> kFaultTriggerNames{
     "tissue_distance", "target_distance", "step", "tool_change"};
 
 /** One armed fault. A tick is the host's 1 ms cycle. With trigger kPacket, `first_tick` and `period_ticks` count
- *  packets. The other times then count packets, too, if lastsForPackets() (core/fault_variables.h), else cycles. */
+ *  packets. The other times then count packets, too, if lastsForPackets() (core/fault_variables.h), else cycles.
+ *  Packets, before faults change them: kRobot: those that the robot receives; kRelay: those for the robot; kMaster:
+ *  those that the physics loop takes from the masters and from CRTK clients. */
 struct Fault {
   std::uint32_t id{};  ///< identifies the scenario in all processes; 0: no fault
   FaultHost host{FaultHost::kRobot};

@@ -17,7 +17,8 @@ struct Drives {
   PerArm<Vec3> torque_per_count{};            ///< [Nm/count] at the capstan, by arm and axis, signed
   std::array<Vec3, kAxes> joint_per_motor{};  ///< [rad/rad; m/rad] cable coupling; one row per joint
   Vec3 position_gain{};                       ///< [Nm/rad] kp of the control law, in motor space
-  Vec3 clip{};                                ///< [counts] limit to which the robot's own check clips a command
+  Vec3 clip{};                                ///< [counts] dac_clip: the overdrive check reduces larger commands
+                                              ///< to it. Its E-stop limit, max_inst_dac, is not used here
 };
 
 /** State of both arms in one control cycle, before its command is written. */
@@ -36,7 +37,7 @@ struct Prediction {
   double joint_velocity{};  ///< [rad/s; m/s]
 };
 
-/** Bits of Verdict::agreeing: the quantities that exceed `factor` times their thresholds. */
+/** Bits of Verdict::agreeing: the quantities that exceed DetectorConfig::factor times their thresholds. */
 namespace agreeing {
 constexpr std::uint8_t kAcceleration = 1, kMotorVelocity = 2, kJointVelocity = 4, kAll = 7;
 }
@@ -47,15 +48,17 @@ struct Verdict {
   Arm arm{Arm::kGold};
   std::uint8_t joint{};     ///< the joint nearest to an alarm
   std::uint8_t agreeing{};  ///< bits of that joint's quantities
-  double size{};            ///< [-] least ratio of a quantity or `excursion` to its threshold; above `factor`: alarm
-  double excursion{};       ///< [m] predicted departure of that arm's tip
+  double size{};            ///< [-] least ratio of that joint's quantities to their thresholds; with rule `departure`
+                            ///< also of `excursion` to DetectorConfig::excursion. Above DetectorConfig::factor: alarm
+  double excursion{};       ///< [m] predicted departure of that arm's tip; its threshold: DetectorConfig::excursion
 };
 
 /**
  * Whether an arm's motion counts as a fault's motion. The control law soon opposes a fault and so hides it, so
  * suspicion must last. It begins with a command within the clip whose size exceeds DetectorConfig::suspicion, if no
  * such command and none beyond the clip came during the last `memory`. It ends when the predicted departure of the tip
- * is small, with a command beyond the clip (which has its own rule), or after `suspicion_time`. Real-time safe.
+ * is at most DetectorConfig::suspicion times DetectorConfig::excursion, or after `suspicion_time`. A command beyond the
+ * clip ends it, too: motion under such a command counts as a fault's without suspicion. Real-time safe.
  */
 class Suspicion {
  public:
@@ -63,12 +66,12 @@ class Suspicion {
 
   bool holds() const noexcept { return age_ > 0; }
   /** @param[in] size largest Verdict::size of the arm's joints. @param[in] departs predicted departure of the tip
-   * divided by `excursion`. */
+   * divided by DetectorConfig::excursion. */
   void step(double size, double departs, bool is_beyond_clip) noexcept;
   void forget() noexcept { age_ = calm_ = 0; }
 
  private:
-  double threshold_;
+  double threshold_;      // [-] DetectorConfig::suspicion
   int longest_, memory_;  // [ticks]
   int age_{0};            // [ticks] since the suspicion began
   int calm_{0};           // [ticks] since the last command that was suspicious or beyond the clip, at most memory_
@@ -81,8 +84,8 @@ class Suspicion {
  * thresholds are learnt from fault-free runs. The model treats each axis alone (inertia, viscous and Coulomb friction,
  * gravity linear in the joints). Its parameters are identified from commands and encoders alone.
  *
- * Rule `departure` deviates from the paper: see Prediction. In addition, the predicted departure of the tip must exceed
- * `excursion` (doc/detector.md).
+ * Rule `departure` deviates from DSN 2016: see Prediction. In addition, the predicted departure of the tip must exceed
+ * DetectorConfig::excursion (doc/detector.md). All thresholds are multiplied by DetectorConfig::factor, this one too.
  *
  * Real-time safe: no allocation, no locks, no throw. One object serves both arms.
  */
@@ -97,7 +100,7 @@ class AnomalyDetector {
   const Verdict& verdict() const noexcept { return verdict_; }
   /** Prediction of the last engaged step. */
   const Prediction& prediction(Arm arm, std::size_t axis) const noexcept { return at(predictions_, arm)[axis]; }
-  double excursion(Arm arm) const noexcept { return at(excursion_, arm); }  ///< [m] predicted departure of the tip
+  double excursion(Arm arm) const noexcept { return at(excursion_, arm); }  ///< [m] as Verdict::excursion
 
  private:
   void predict(Arm arm, const Observation& now) noexcept;
@@ -121,7 +124,7 @@ class AnomalyDetector {
   PerArm<std::array<bool, kAxes>> was_beyond_{};
   PerArm<Suspicion> suspicion_;
   PerArm<std::array<Prediction, kAxes>> predictions_{};
-  PerArm<double> excursion_{};  // [m]
+  PerArm<double> excursion_{};  // [m] predicted departure of the tip
   Verdict verdict_{};
 };
 

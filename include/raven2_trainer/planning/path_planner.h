@@ -43,9 +43,9 @@ struct PlanOptions {
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
   double eta_clearance{};            ///< eta3: weight of the clearance term, not in eq. (1)
-  double time_limit{};               ///< [s] not in lockstep
+  double time_limit{};               ///< [s] ignored in lockstep
   bool until_time_limit{};           ///< RRTstar, PRMstar, BITstar, ABITstar improve the path until the time limit;
-                                     ///< in lockstep they return their first path
+                                     ///< ignored in lockstep
 };
 
 /** The settings in config/planner.yaml. */
@@ -117,11 +117,12 @@ class PathPlanner {
   void prepare();
 
   /**
-   * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the time limit, or
-   * in lockstep at the limit of samples (`max_samples` with FMTstar, else takesSamples()). The same request, options
-   * and seed give the same path. With OMPL's planners, which share a random generator, only in lockstep and with one
-   * plan at a time in the process. A path of more than kMaxWaypoints gives kNoPath. PlanResult::planning_time is
-   * measured; in lockstep it is 0, and the lockstep loop then sets it to `lockstep_plan_delay`.
+   * Plans a path. No request makes it throw: each failure is a PlanStatus, in finite time. Stops at the limit
+   * of samples (FMTstar: `max_samples`; others: takesSamples()) and, unless `lockstep`, at the time limit. The same
+   * request, options and seed give the same path. With OMPL's planners, which share a random generator, only in
+   * lockstep and with one plan at a time in the process. A path of more than kMaxWaypoints gives kNoPath.
+   * PlanResult::planning_time is measured; in lockstep it is 0, and LockstepStack then sets it to
+   * `lockstep_plan_delay`.
    * @param[in] cancel Set it in another thread: plan() then returns within 100 ms.
    */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed, bool lockstep, const std::atomic<bool>& cancel);
