@@ -35,8 +35,9 @@ class Details:
                          + ". Everything up to that point is shown; figures that are only counted at the end are not.")
         if self.log.bad_bytes:
             notes.append(f"{self.log.bad_bytes:,} bytes of the log were damaged and left out.")
-        if self.metrics.get("records_dropped"):
-            notes.append(f"{self.metrics['records_dropped']:,} records could not be kept up with and are missing.")
+        missing = max(self.log.lost, self.metrics.get("records_dropped") or 0)  # metrics of a crashed session have 0
+        if missing:
+            notes.append(f"{missing:,} records are missing from the log.")
         lost = {name: queue["dropped"] for name, queue in self.metrics.get("queues", {}).items()
                 if queue["dropped"] and not name.endswith("_records")}
         if lost:

@@ -255,11 +255,17 @@ def test_the_cards_are_in_the_units_of_metrics_json():
 
 
 def test_what_full_queues_lost_is_told_and_records_apart_from_it():
-    log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0)
+    log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0, lost=0)
     queues = {"relay_packets": {"dropped": 1234}, "force_packets": {"dropped": 0}, "tick_records": {"dropped": 5}}
     told = engineering(log=log, metrics={"queues": queues, "records_dropped": 6}).notices()
     assert re.findall(r"<p[^>]*>(.*?)</p>", told) == [
-        "6 records could not be kept up with and are missing.", "Queues were full: 1,234 relay packets were lost."]
+        "6 records are missing from the log.", "Queues were full: 1,234 relay packets were lost."]
+
+
+def test_what_a_crashed_sessions_gap_records_miss_is_told():
+    log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0, lost=40)
+    told = engineering(log=log, metrics={"records_dropped": 0}).notices()
+    assert re.findall(r"<p[^>]*>(.*?)</p>", told) == ["40 records are missing from the log."]
 
 
 def test_the_faults_are_in_the_units_of_metrics_json():
