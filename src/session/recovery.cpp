@@ -92,6 +92,8 @@ class QueueMover {
     const std::uint64_t head = checkpoint_.heads[k];
     const std::uint64_t waiting = ring.tail() - head;
     if (waiting > Ring::kCapacity) return;  // the queue's own numbers are damaged: its elements cannot be found
+    if constexpr (std::is_same_v<typename Ring::Element, TickRecord>)
+      if (head > 0 && ring.isIntact(head - 1)) newest_tick_ = ring.at(head - 1).model.tick;  // the log's last one
     for (std::uint64_t i = head; i < head + waiting; ++i) {
       if (ring.isIntact(i)) {
         log_.write(ring.at(i));

@@ -733,6 +733,48 @@ class Crtk(unittest.TestCase):
         self.assertFalse(rospy.wait_for_message(f"{arm.name}/is_valid", Bool, 5).data)
         self.assertTrue(any("no state of the robot" in m.string for m in arm["warning"].messages))
 
+    def test_18_forces_move_the_model_alone_along_the_axes_that_were_asked_for(self):
+        """crtk_haptic_example.py --body sets the orientation absolute; without, body/servo_cf is along the tip's axes."""
+        arm = self.arms[0]
+        kinds = {"servo_cf": WrenchStamped, "body/servo_cf": WrenchStamped, "body/set_cf_orientation_absolute": Bool}
+        said = {t: rospy.Publisher(f"{arm.name}/{t}", kind, queue_size=10) for t, kind in kinds.items()}
+        until(lambda: all(p.get_num_connections() > 0 for p in said.values()), 5, "the daemon")
+
+        def model():
+            return rospy.wait_for_message(f"model/{arm.name}/measured_cp", PoseStamped, 5).pose
+
+        def push(topic, force):
+            """How far the tip goes within 0.3 s."""
+            wrench = WrenchStamped()
+            wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z = force
+            start = model()
+            rate = rospy.Rate(RATE)
+            for _ in range(int(0.3 * RATE)):
+                said[topic].publish(wrench)
+                rate.sleep()
+            end = model()
+            arm.say("hold", Empty())
+            time.sleep(0.5)
+            return tuple(b - a for a, b in zip(vector(start.position), vector(end.position)))
+
+        def along(way, axis):
+            return sum(a * b for a, b in zip(way, axis))
+
+        up = (0.0, 0.0, 1.0)
+        for sign in (1.0, -1.0):
+            force = tuple(15.0 * sign * a for a in up)
+            own = rotate(model().orientation, up)
+            for topic, is_absolute, axis in (("servo_cf", None, up), ("body/servo_cf", True, up), ("body/servo_cf", False, own)):
+                if is_absolute is not None:
+                    said["body/set_cf_orientation_absolute"].publish(Bool(data=is_absolute))
+                    time.sleep(0.2)
+                way = push(topic, force)
+                print(f"{topic}, absolute {is_absolute}, {sign * 15:.0f} N: {1e3 * along(way, axis):.2f} mm along the force,",
+                      f"{1e3 * along(way, up):.2f} mm up")
+                self.assertGreater(sign * along(way, axis), 1e-3, topic)
+        for publisher in said.values():
+            publisher.unregister()
+
 
 if __name__ == "__main__":
     rostest.rosrun("raven2_trainer", "crtk", Crtk)

@@ -53,7 +53,7 @@ struct DetectorConfig {
   double persistence{};     ///< [s] assumed duration of a command beyond the clip
   double suspicion{};       ///< [-] size of a verdict from which an arm's motion is suspicious
   double suspicion_time{};  ///< [s] longest suspicion
-  double excursion{};       ///< [m] predicted departure of the tip
+  double excursion{};       ///< [m] threshold of the predicted departure of the tip
   PerArm<std::array<DetectorAxis, kDetectorAxes>> axes{};
 };
 

@@ -264,6 +264,7 @@ TEST_P(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
   EXPECT_EQ(wide.joint, 6);
   EXPECT_EQ(wide.limit, 1.57);
   EXPECT_EQ(jaw(ServoKind::kMoveJaw, -0.2).reason, ServoRefusal::kOutOfRange);
+  EXPECT_EQ(jaw(ServoKind::kServoJaw, -20.0 * kDegree).reason, ServoRefusal::kOutOfRange);
 }
 
 TEST_P(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
@@ -481,6 +482,13 @@ TEST_P(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
   EXPECT_EQ(target.pose().p, held);
   EXPECT_EQ(target.opening(), opening);
   EXPECT_FALSE(target.isMoving());
+}
+
+TEST_P(ServoTargetTest, TheMoveWithWhichADvrkClosesItsJawsClosesOurs) {
+  ASSERT_EQ(jaw(ServoKind::kMoveJaw, -20.0 * kDegree).reason, ServoRefusal::kNone);
+  EXPECT_TRUE(target.isMoving());
+  finish();
+  EXPECT_EQ(target.opening(), kMinOpening);
 }
 
 TEST_P(ServoTargetTest, ATwistLastsForItsTime) {

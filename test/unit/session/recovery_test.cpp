@@ -237,6 +237,23 @@ TEST(Recovery, TellsWhatTheQueuesCouldNotHold) {
   EXPECT_EQ(session.ticks().size(), static_cast<std::size_t>(kQueue));
 }
 
+TEST(Recovery, SaysBehindWhichTickOfTheLogRecordsAreMissing) {
+  Session session("gap_behind_the_log");
+  SKIP_WITHOUT_TMPFS(session);
+  session.push(10);
+  session.record();
+  auto& contacts = session.flight->rings()->contacts;
+  while (contacts.dropped() == 0)
+    contacts.tryPush(ContactRecord{});
+  session.kill();
+  recoverSession(session.paths);
+  std::vector<Tick> gaps;
+  LogVisitor visitor;
+  visitor.gap = [&](const GapRecord& gap) { gaps.push_back(gap.tick); };
+  readLog(session.paths.log(), visitor);
+  EXPECT_EQ(gaps, (std::vector<Tick>{9}));
+}
+
 TEST(Recovery, LeavesALogWithALivingWriterAlone) {
   Session session("alive");
   session.push(5);
