@@ -37,7 +37,7 @@ step() {
   wait "$progress" 2>/dev/null
   if [ $status -ne 0 ]; then
     [ -t 2 ] && printf '\r\033[K' >&2
-    fail "$name failed: $(grep -m1 -E 'error|Error|^E: |cannot|fatal' "$log" || tail -n 1 "$log") (see $log)"
+    fail "$name failed: $(grep -m1 -E '(^|[ :])(fatal )?[Ee]rror[ :]|^E: |cannot' "$log" || tail -n 1 "$log") (see $log)"
   fi
   [ -t 2 ] && printf '\r\033[K' >&2
   say "$name: $((SECONDS - begin)) s"

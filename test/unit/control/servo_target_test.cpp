@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "raven2_trainer/control/teleop_mapper.h"
+
 namespace raven2_trainer::control {
 namespace {
 
