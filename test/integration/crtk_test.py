@@ -105,6 +105,14 @@ def rotate(q, v):
     return tuple(v[i] + q.w * t[i] + cross(u, t)[i] for i in range(3))
 
 
+def along(way, axis):
+    return sum(a * b for a, b in zip(way, axis)) / math.hypot(*axis)
+
+
+def angle(a, b):
+    return math.acos(max(-1.0, min(1.0, along(a, b) / math.hypot(*a))))
+
+
 def smooth(share):
     """0 to 1 from rest to rest."""
     return 0.5 - 0.5 * math.cos(math.pi * share)
@@ -736,43 +744,46 @@ class Crtk(unittest.TestCase):
     def test_18_forces_move_the_model_alone_along_the_axes_that_were_asked_for(self):
         """crtk_haptic_example.py --body sets the orientation absolute; without, body/servo_cf is along the tip's axes."""
         arm = self.arms[0]
-        kinds = {"servo_cf": WrenchStamped, "body/servo_cf": WrenchStamped, "body/set_cf_orientation_absolute": Bool}
-        said = {t: rospy.Publisher(f"{arm.name}/{t}", kind, queue_size=10) for t, kind in kinds.items()}
-        until(lambda: all(p.get_num_connections() > 0 for p in said.values()), 5, "the daemon")
+        kinds = {"servo_cf": WrenchStamped, "body/servo_cf": WrenchStamped, "body/set_cf_orientation_absolute": Bool,
+                 "move_jp": JointState}
+        publishers = {t: rospy.Publisher(f"{arm.name}/{t}", kind, queue_size=10) for t, kind in kinds.items()}
+        until(lambda: all(p.get_num_connections() > 0 for p in publishers.values()), 5, "the daemon")
 
         def model():
             return rospy.wait_for_message(f"model/{arm.name}/measured_cp", PoseStamped, 5).pose
 
         def push(topic, force):
-            """How far the tip goes within 0.3 s."""
+            """The tip's way within 0.3 s, always from the same pose: a force at the tip turns the wrist, too."""
+            publishers["move_jp"].publish(JointState(position=begin))
+            until(lambda: arm.state.is_busy, 2, "busy")
+            until(lambda: not arm.state.is_busy, 5, "at the begin")
             wrench = WrenchStamped()
             wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z = force
             start = model()
             rate = rospy.Rate(RATE)
             for _ in range(int(0.3 * RATE)):
-                said[topic].publish(wrench)
+                publishers[topic].publish(wrench)
                 rate.sleep()
             end = model()
             arm.say("hold", Empty())
-            time.sleep(0.5)
-            return tuple(b - a for a, b in zip(vector(start.position), vector(end.position)))
+            way = tuple(b - a for a, b in zip(vector(start.position), vector(end.position)))
+            print(f"{topic}, {tuple(round(f, 1) for f in force)} N: {tuple(round(1e3 * w, 2) for w in way)} mm")
+            return way
 
-        def along(way, axis):
-            return sum(a * b for a, b in zip(way, axis))
-
-        up = (0.0, 0.0, 1.0)
-        for sign in (1.0, -1.0):
-            force = tuple(15.0 * sign * a for a in up)
-            own = rotate(model().orientation, up)
-            for topic, is_absolute, axis in (("servo_cf", None, up), ("body/servo_cf", True, up), ("body/servo_cf", False, own)):
-                if is_absolute is not None:
-                    said["body/set_cf_orientation_absolute"].publish(Bool(data=is_absolute))
-                    time.sleep(0.2)
-                way = push(topic, force)
-                print(f"{topic}, absolute {is_absolute}, {sign * 15:.0f} N: {1e3 * along(way, axis):.2f} mm along the force,",
-                      f"{1e3 * along(way, up):.2f} mm up")
-                self.assertGreater(sign * along(way, axis), 1e-3, topic)
-        for publisher in said.values():
+        up, down = (0.0, 0.0, 15.0), (0.0, 0.0, -15.0)
+        begin = arm.position("setpoint_js")
+        own_down = rotate(model().orientation, down)
+        world = push("servo_cf", up)
+        publishers["body/set_cf_orientation_absolute"].publish(Bool(data=True))
+        absolute = push("body/servo_cf", up)
+        publishers["body/set_cf_orientation_absolute"].publish(Bool(data=False))
+        body, same = push("body/servo_cf", down), push("servo_cf", own_down)
+        self.assertGreater(along(world, up), 1e-3)
+        self.assertGreater(along(body, own_down), 1e-3)
+        self.assertLess(angle(world, absolute), math.radians(15))
+        self.assertLess(angle(body, same), math.radians(15))
+        self.assertGreater(angle(world, body), math.radians(30))
+        for publisher in publishers.values():
             publisher.unregister()
 
 
