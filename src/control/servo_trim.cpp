@@ -11,9 +11,11 @@ void ServoTrim::step(const JointArray& asked, const JointArray& measured, bool r
   if (time_ <= 0.0) return;
   const double share = kTickSeconds / time_;
   for (std::size_t j = 0; j < kJoints; ++j) {
-    const double missing = rests ? asked[j] - measured[j] : -joints_[j];
-    if (rests && !(std::abs(missing) > kEnough[j])) continue;
-    joints_[j] = std::clamp(joints_[j] + share * missing, -kLimit[j], kLimit[j]);
+    double missing = rests ? asked[j] - measured[j] : -joints_[j];
+    if (rests && !(std::abs(missing) > kEnough[j])) missing = 0.0;
+    const double low = std::clamp(q_min_[j] + kInside - asked[j], -kLimit[j], kInside);
+    const double high = std::clamp(q_max_[j] - kInside - asked[j], -kInside, kLimit[j]);
+    joints_[j] = std::clamp(joints_[j] + share * missing, low, high);
   }
 }
 

@@ -15,7 +15,8 @@ using control::ServoVerdict;
 constexpr int kMostCommands = 32;
 constexpr int kMostMoves = 1;
 
-constexpr double kNoTurn = 1e-9;  // [rad] rounding
+constexpr double kNoTurn = 1e-9;     // [rad] rounding
+constexpr double kSamePoint = 1e-9;  // [m]
 
 constexpr Tick kRestTicks = 200;  // a set point that does not change: the robot's arm has stopped, too
 
@@ -95,7 +96,8 @@ ServoManager::ServoManager(const LoopConfig& config, SharedState* shared)
       shared_(*shared),
       targets_{control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGold),
                control::ServoTarget(withinRules(config.crtk, rules_), geometry_, Arm::kGreen)},
-      rests_{Rest{control::ServoTrim(config.crtk.trim_time)}, Rest{control::ServoTrim(config.crtk.trim_time)}},
+      rests_{Rest{control::ServoTrim(config.crtk.trim_time, geometry_)},
+             Rest{control::ServoTrim(config.crtk.trim_time, geometry_)}},
       gains_(config.model.gains),
       console_limit_(ticksOf(rules_.pedalTimeout())),
       idle_limit_(ticksOf(config.crtk.release_after)),
@@ -353,7 +355,10 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
   Sent& sent = at(sent_, arm);
   const bool moves = command->pedal != 0 && stand_.mode == Mode::kTeleoperating && stand_.applies;
   const bool is_known = !moves || !stand_.keeps_back;
-  if (is_known) sent = {mapper.desiredPose(), mapper.opening()};
+  if (is_known) {
+    sent.X_BT = mapper.desiredPose();
+    sent.opening = mapper.opening();
+  }
   const Pose taken = is_known ? takenBy(mapper, arm) : sent.X_BT;
   const bool is_pushed = at(pushes_, arm).wanted.kind != EffortKind::kNone;
   if (!moves || is_pushed) {
@@ -365,8 +370,9 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
   target.keepTo(at(rests_, arm).trimmed.before(taken), q, sent.opening);
   target.step();
   const Pose asked = is_pushed ? sent.X_BT : trimmed(arm, q);
-  const Vector3 step_um = wholeStep(sent.X_BT.p, asked.p, rules_.max_increment_um);
-  const Quaternion turn = turnStep(sent.X_BT.R, asked.R, rules_.max_rotation);
+  const Pose& to = isAtLimit(asked, mapper.status(), &sent) ? sent.X_BT : asked;
+  const Vector3 step_um = wholeStep(sent.X_BT.p, to.p, rules_.max_increment_um);
+  const Quaternion turn = turnStep(sent.X_BT.R, to.R, rules_.max_rotation);
   const double jaw_mrad = std::round((target.opening() - sent.opening) * 1e3);
   const Matrix3& C = control::itpToBase(arm);
   Quaternion dq_I = turn;
@@ -377,6 +383,15 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
   sent.X_BT.p += step_um * 1e-6;
   sent.X_BT.R = (turn * Quaternion(sent.X_BT.R)).normalized().toRotationMatrix();
   sent.opening += jaw_mrad * 1e-3;
+}
+
+/** A pose that the mapping cut off at a joint's limit is asked for once: each further time moves an arm along the
+ * limit. */
+bool ServoManager::isAtLimit(const Pose& asked, kinematics::IkStatus status, Sent* sent) noexcept {
+  const bool is_same = (asked.p - sent->asked.p).norm() < kSamePoint && (asked.R - sent->asked.R).norm() < kNoTurn;
+  sent->is_at_limit = is_same && (sent->is_at_limit || status == kinematics::IkStatus::kClamped);
+  if (!is_same) sent->asked = asked;
+  return sent->is_at_limit;
 }
 
 /** The set point, and what friction keeps the robot from it. @param[in] q [rad; m] the set point's joints. */

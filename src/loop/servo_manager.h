@@ -63,6 +63,8 @@ class ServoManager {
   struct Sent {
     Pose X_BT{};
     double opening{};
+    Pose asked{};        ///< where the increments were to lead
+    bool is_at_limit{};  ///< the mapping went as far as a joint's limit lets it
   };
   struct Push {
     Effort wanted{};
@@ -103,6 +105,7 @@ class ServoManager {
   void releaseIdle() noexcept;
   Pose takenBy(const control::TeleopMapper& mapper, Arm arm) const noexcept;
   void aim(Arm arm, const control::TeleopMapper& mapper, MasterCommand* command) noexcept;
+  static bool isAtLimit(const Pose& asked, kinematics::IkStatus status, Sent* sent) noexcept;
   Pose trimmed(Arm arm, const JointArray& q) noexcept;
   bool isMoving() const noexcept { return targets_[0].isMoving() || targets_[1].isMoving(); }
 

@@ -13,7 +13,7 @@ namespace raven2_trainer::control {
  * so that they rest away from their commanded position, the virtual Raven's elbow 3.5 mrad. While a CRTK client's set
  * point rests, what is missing is asked for in addition, as slowly as the robot's own integral works in its tool
  * joints; what moves forgets it as slowly. Bounded: a tool that is held back by what it touches presses no harder than
- * by kLimit. Pure; real-time safe.
+ * by kLimit. At a joint's limit the arm is asked to be kInside of it. Pure; real-time safe.
  */
 class ServoTrim {
  public:
@@ -23,8 +23,11 @@ class ServoTrim {
   static constexpr Joints kLimit{5e-3, 5e-3, 5e-4};   ///< friction over kp is 1.2 mrad, 3.5 mrad and 0.34 mm there
   static constexpr Joints kEnough{5e-4, 5e-4, 5e-5};  ///< missing less than this is let be: 0.03 degrees
 
-  /** @param[in] time [s] constant of the approach; 0: there is no trim. */
-  explicit ServoTrim(double time) noexcept : time_(time) {}
+  static constexpr double kInside = 5e-5;  ///< [rad, m] a pose in whole micrometres is not beyond the limit, either
+
+  /** @param[in] time [s] constant of the approach; 0: there is no trim. @param[in] geometry limits of the joints. */
+  ServoTrim(double time, const ArmGeometry& geometry) noexcept
+      : time_(time), q_min_(geometry.q_min), q_max_(geometry.q_max) {}
 
   /** A tick. @param[in] asked, measured [rad; m] the set point and the robot. @param[in] rests the set point does. */
   void step(const JointArray& asked, const JointArray& measured, bool rests) noexcept;
@@ -36,6 +39,7 @@ class ServoTrim {
 
  private:
   double time_;
+  JointArray q_min_, q_max_;  ///< [rad, rad, m]
   Joints joints_{};
 };
 

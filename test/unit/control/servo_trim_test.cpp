@@ -11,6 +11,14 @@
 namespace raven2_trainer::control {
 namespace {
 
+/** Joints' limits of raven2.md 2.3. */
+ArmGeometry jointLimits() {
+  ArmGeometry geometry;
+  geometry.q_min = {0.0, 0.25 * kPi, 0.23};
+  geometry.q_max = {0.5 * kPi, 0.75 * kPi, 0.56};
+  return geometry;
+}
+
 constexpr JointArray kAsked{0.5, 1.6, 0.4, 0.1, -0.2, 0.7, 0.6};
 
 /** Joints that dry friction stops short of their targets, and that creep once they are pushed beyond it. */
@@ -29,7 +37,7 @@ TEST(ServoTrim, BringsARobotThatStoppedShortToWhereItWasAskedToBe) {
   robot.q = {0.3, 1.8, 0.3};  // from below and from above
   robot.follow(kAsked);
   ASSERT_NEAR(robot.q[1], kAsked[1] + 3.5e-3, 1e-12);
-  ServoTrim trim(1.0);
+  ServoTrim trim(1.0, jointLimits());
   for (int tick = 0; tick < 3000; ++tick) {
     trim.step(kAsked, robot.q, /*rests=*/true);
     robot.follow(trim.with(kAsked));
@@ -38,8 +46,24 @@ TEST(ServoTrim, BringsARobotThatStoppedShortToWhereItWasAskedToBe) {
     EXPECT_NEAR(robot.q[j], kAsked[j], ServoTrim::kEnough[j] * 1.01) << j;
 }
 
+TEST(ServoTrim, AsksForNothingBeyondAJointsLimit) {
+  const ArmGeometry geometry = jointLimits();
+  for (const double side : {-1.0, 1.0}) {
+    JointArray asked = side < 0.0 ? geometry.q_min : geometry.q_max, measured = asked;
+    for (std::size_t j = 0; j < ServoTrim::kJoints; ++j) {
+      asked[j] -= side * 0.2 * ServoTrim::kLimit[j];
+      measured[j] = asked[j] - side * ServoTrim::kLimit[j];
+    }
+    ServoTrim trim(0.1, geometry);
+    for (int tick = 0; tick < 3000; ++tick)
+      trim.step(asked, measured, true);
+    for (std::size_t j = 0; j < ServoTrim::kJoints; ++j)
+      EXPECT_NEAR(trim.joints()[j], side * (0.2 * ServoTrim::kLimit[j] - ServoTrim::kInside), 1e-12) << j;
+  }
+}
+
 TEST(ServoTrim, LeavesTheToolsJointsToTheRobot) {
-  ServoTrim trim(1.0);
+  ServoTrim trim(1.0, jointLimits());
   JointArray measured = kAsked;
   for (double& q : measured)
     q += 0.01;
@@ -50,7 +74,7 @@ TEST(ServoTrim, LeavesTheToolsJointsToTheRobot) {
 }
 
 TEST(ServoTrim, PressesNoHarderAgainstWhatHoldsTheToolBack) {
-  ServoTrim trim(0.1);
+  ServoTrim trim(0.1, jointLimits());
   const JointArray held{0.4, 1.7, 0.3, 0.1, -0.2, 0.7, 0.6};
   for (int tick = 0; tick < 100000; ++tick)
     trim.step(kAsked, held, true);
@@ -60,7 +84,7 @@ TEST(ServoTrim, PressesNoHarderAgainstWhatHoldsTheToolBack) {
 }
 
 TEST(ServoTrim, IsForgottenWithoutAStepWhileTheSetPointMoves) {
-  ServoTrim trim(1.0);
+  ServoTrim trim(1.0, jointLimits());
   JointArray measured = kAsked;
   measured[1] -= 3e-3;
   for (int tick = 0; tick < 2000; ++tick)
@@ -76,7 +100,7 @@ TEST(ServoTrim, IsForgottenWithoutAStepWhileTheSetPointMoves) {
 }
 
 TEST(ServoTrim, WithoutTimeOrAMeasurementThereIsNone) {
-  ServoTrim none(0.0), blind(1.0);
+  ServoTrim none(0.0, jointLimits()), blind(1.0, jointLimits());
   JointArray measured{};
   none.step(kAsked, measured, true);
   measured.fill(std::numeric_limits<double>::quiet_NaN());
@@ -87,7 +111,7 @@ TEST(ServoTrim, WithoutTimeOrAMeasurementThereIsNone) {
 
 TEST(ServoTrim, WithAndWithoutAreEachOthersInverse) {
   Random random(7);
-  ServoTrim trim(0.01);
+  ServoTrim trim(0.01, jointLimits());
   JointArray measured = kAsked;
   for (double& q : measured)
     q += random.uniform(-0.004, 0.004);

@@ -564,6 +564,38 @@ TEST_F(ServoManagerTest, WhatFrictionKeepsARestingRobotFromIsAskedForInAddition)
       << "control::ServoTrim::kEnough, and noise";
 }
 
+/** Increments into a limit become motions along it, and model and robot may go different ways. */
+TEST_F(ServoManagerTest, AnArmThatRestsAtAJointsLimitIsNotAskedToGoBeyondIt) {
+  for (const double trim_time : {0.0, ModeDriver::configuration().crtk.trim_time}) {
+    together([&](TrainerConfig* config) {
+      config->crtk.trim_time = trim_time;
+      config->crtk.move_turn_rate = config->crtk.max_turn_rate;
+    });
+    ASSERT_TRUE(c->enable());
+    for (const Arm arm : kArms) {
+      ServoJoints q = c->arm(arm).setpoint_q;
+      q[kElbow] = rig->config.arms.geometry.q_min[kElbow];
+      ASSERT_EQ(c->ask(ServoKind::kMoveJoints, arm, q), ServoRefusal::kNone);
+    }
+    c->rest(2500);
+    ASSERT_FALSE(c->isBusy());
+    PerArm<double> pushed{};
+    for (int tick = 0; tick < 1000; ++tick) {
+      c->rest(1);
+      for (const Arm arm : kArms) {
+        const bool is_at_limit =
+            at(rig->model().arms, arm).ik_status == static_cast<std::uint32_t>(kinematics::IkStatus::kClamped);
+        if (is_at_limit) at(pushed, arm) += toEigen(at(rig->last_relay.command.dp_I, arm)).norm();
+      }
+    }
+    for (const Arm arm : kArms) {
+      EXPECT_LT(at(pushed, arm), 1e-5) << name(arm) << ", trim " << trim_time;
+      const ServoJoints robot = control::servoJoints(at(rig->robot().arms, arm).q), wanted = c->arm(arm).setpoint_q;
+      EXPECT_NEAR(robot[kElbow], wanted[kElbow], control::ServoTrim::kLimit[kElbow]) << name(arm);
+    }
+  }
+}
+
 TEST_F(ServoManagerTest, WhatIsAskedForBeforeTheRobotFollowsIsDoneOnceItDoes) {
   together();
   const RigidPose to = beside(setpoint(), {0.004, 0.0, 0.0});
