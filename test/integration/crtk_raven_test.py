@@ -53,6 +53,19 @@ class CrtkRaven(unittest.TestCase):
             rate.sleep()
         rospy.sleep(1.0)
 
+    def test_0_the_parameters_that_crtk_cpp_reads_are_there(self):
+        """The robot's roslaunch file loads them. crtk_lib_cpp asserts their types, and ends without them."""
+        for arm, grasper in (("arm1", "grasp1"), ("arm2", "grasp2")):
+            self.assertEqual(rospy.get_param(f"/{arm}/num_joints"), 7)
+            self.assertEqual(rospy.get_param(f"/{arm}/grasper_name"), grasper)
+            self.assertEqual(rospy.get_param(f"/{arm}/is_prismatic"), [0, 0, 1, 0, 0, 0, 0])
+            joints, tip, turn = (rospy.get_param(f"/{arm}/home_{name}") for name in ("jpos", "pos", "quat"))
+            measured = self.next(f"/{arm}/measured_cp", TransformStamped).transform
+            self.assertLess(max(abs(a - b) for a, b in zip(joints, self.next(f"/{arm}/measured_js", JointState).position)), 0.05)
+            self.assertLess(math.dist(tip, vector(measured.translation)), 5e-3)
+            r = measured.rotation
+            self.assertGreater(abs(sum(a * b for a, b in zip(turn, (r.x, r.y, r.z, r.w)))), math.cos(0.05))
+
     def test_1_increments_go_along_the_axes_of_the_turned_base(self):
         by = TransformStamped()
         by.transform.translation.z, by.transform.rotation.w = 2e-5, 1.0  # x of the base: up

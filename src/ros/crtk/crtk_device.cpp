@@ -1,6 +1,7 @@
 #include "ros/crtk/crtk_device.h"
 
 #include "raven2_trainer/net/clock.h"
+#include "ros/crtk/crtk_parameters.h"
 #include "ros/node/name_of.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -46,6 +47,7 @@ CrtkDevice::CrtkDevice(const ros::NodeHandle& node, const TopicSource& source, S
   const auto before = publishersNow();
   for (const Arm arm : kArms) {
     const Pose& X_WB = at(source.raven.X_WB, arm);
+    if (config.dialect == CrtkDialect::kRaven) setRavenParameters(node_, config, arm, source.config.arms.geometry);
     auto& voice = at(voices_, arm) = std::make_unique<CrtkVoice>(&node_, at(config.names, arm));
     at(arms_, arm) = std::make_unique<CrtkArm>(&node_, arm, config, source.config.arms.geometry, X_WB,
                                                source.body_names, voice.get());

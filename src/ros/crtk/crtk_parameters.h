@@ -1,0 +1,21 @@
+#pragma once
+
+#include <XmlRpcValue.h>
+#include <ros/node_handle.h>
+
+#include "raven2_trainer/control/crtk_config.h"
+#include "raven2_trainer/kinematics/arms_config.h"
+
+namespace raven2_trainer::ros_bridge {
+
+/**
+ * Facts about an arm that clients of the robot's own branch `crtk` read from the parameter server (its
+ * params/raven_gold_crtk.yaml, raven_green_crtk.yaml): num_joints, home_jpos, is_prismatic; home_pos and home_quat (x,
+ * y, z, w), where measured_cp of that branch is after homing; grasper_name, the jaws' namespace.
+ */
+XmlRpc::XmlRpcValue ravenParameters(const CrtkConfig& config, Arm arm, const ArmGeometry& geometry);
+
+/** Sets them in the arm's namespace. Those that are there already stay. Two calls to the master, in total. */
+void setRavenParameters(const ros::NodeHandle& node, const CrtkConfig& config, Arm arm, const ArmGeometry& geometry);
+
+}  // namespace raven2_trainer::ros_bridge
