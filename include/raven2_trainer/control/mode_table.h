@@ -12,7 +12,7 @@ enum class Event : std::uint8_t {
   kPlanRequested,
   kPlanReady,
   kPlanFailed,
-  kEmergencyStop,   ///< the robot's run level fell to E-STOP, or the model broke down
+  kEmergencyStop,   ///< the robot's run level fell to E-STOP, or the model's simulation failed
   kStopCleared,     ///< the robot left E-STOP
   kTimeSlip,        ///< simulated time was lost: a backlog too long to catch up
   kGoalWanted,      ///< the surgeon wants to show the model's goal

@@ -42,7 +42,7 @@ class Lockstep {
    * Runs until `seconds` of session time (from the first pedal down).
    * @param[in] progress called about every 100 ms of simulated time with the share done; may be empty.
    * @return false if no pedal-down came within `runtime.start_timeout` of simulated time, what is shown first not
-   * counted, or the model broke down.
+   * counted, or the model's simulation failed.
    */
   bool run(double seconds, const std::function<void(double)>& progress, End end = End::kTime);
 

@@ -24,7 +24,7 @@ const char* whyNoJoints(kinematics::IkStatus status) {
     case kinematics::IkStatus::kSingularRcm:
       return "the wrist would be at the remote centre";
     case kinematics::IkStatus::kTooFar:
-      return "no joints within their limits put the tip there";
+      return "no joint positions within the limits reach this pose";
     default:
       return "the pose is out of the arm's reach";
   }

@@ -54,13 +54,14 @@ const char* wayToEnabled(OperatingState state) {
 
 std::string invalid(const ServoRefused& r) {
   const std::string in = nameOf(kOperatingStateNames, r.in);
-  if (r.kind == ServoKind::kFree) return "the arms are " + in + ", nothing holds them but the brakes";
-  const std::string way = r.in == OperatingState::kEnabled ? "disable or pause" : wayToEnabled(r.in);
-  return std::string(nameOf(kStateCommandNames, r.state)) + " is nothing in " + in + "; there " + way + " goes on";
+  if (r.kind == ServoKind::kFree) return "the arms are " + in + ": only the brakes hold them";
+  const std::string way =
+      r.in == OperatingState::kEnabled ? "disable and pause have" : wayToEnabled(r.in) + std::string(" has");
+  return std::string(nameOf(kStateCommandNames, r.state)) + " has no effect in " + in + "; " + way;
 }
 
 std::string notEnabled(const ServoRefused& r) {
-  if (r.in == OperatingState::kFault) return "the arms are in FAULT: an E-STOP, which is ended at the robot";
+  if (r.in == OperatingState::kFault) return "the arms are in FAULT: end the E-STOP at the robot";
   return std::string("the arms are ") + nameOf(kOperatingStateNames, r.in) + "; state_command \"" + wayToEnabled(r.in) +
          "\" first";
 }
@@ -73,15 +74,15 @@ std::string tooStrong(const ServoRefused& r) {
 }
 
 const char* notOffered(ServoKind kind) {
-  return kind == ServoKind::kTool ? "a Raven does not look for its tool" : "a Raven cannot";
+  return kind == ServoKind::kTool ? "a Raven does not detect its tool" : "a Raven cannot do that";
 }
 
 /** A mode or a stop comes first. */
 const char* notNow(const ServoRefused& r) {
-  if (r.reason == ServoRefusal::kRobotStop) return "the robot is in E-STOP, which is ended at the robot";
-  if (r.reason == ServoRefusal::kOperatorStop) return "an operator stopped the arms; service clear_stop first";
-  return r.in == OperatingState::kFault ? "the model broke down: restart the daemon"
-                                        : "planning, a trial, a replay or the camera comes first (topic mode)";
+  if (r.reason == ServoRefusal::kRobotStop) return "the robot is in E-STOP: end it at the robot";
+  if (r.reason == ServoRefusal::kOperatorStop) return "an operator stopped the arms: call the service clear_stop";
+  return r.in == OperatingState::kFault ? "the model's simulation failed: restart the daemon"
+                                        : "first end planning, the trial, the replay or the camera motion (topic mode)";
 }
 
 std::string reason(const ServoRefused& r) {
@@ -101,7 +102,7 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kOperatorStop:
       return notNow(r);
     case ServoRefusal::kNotFinite:
-      return "a number is NaN or infinite, or a quaternion is no rotation";
+      return "a number is NaN or infinite, or a quaternion's norm is not 1";
     case ServoRefusal::kOutOfRange:
       return outOfRange(r);
     case ServoRefusal::kTooFar:
@@ -109,13 +110,13 @@ std::string reason(const ServoRefused& r) {
     case ServoRefusal::kTooFast:
       return tooFast(r);
     case ServoRefusal::kUnreachable:
-      return "no joints within their limits put the tip there";
+      return "no joint positions within the limits reach this pose, or the way to it";
     case ServoRefusal::kQueueFull:
-      return "more moves wait than are kept; wait until is_busy is false";
+      return "the queue of moves is full; wait until is_busy is false";
     case ServoRefusal::kNotOffered:
       return notOffered(r.kind);
     case ServoRefusal::kHasRobot:
-      return "a Raven's controllers hold positions: forces move the model alone, while no robot is there";
+      return "a Raven's controllers hold positions; forces move the model only, and only without a robot";
     case ServoRefusal::kTooStrong:
       return tooStrong(r);
     case ServoRefusal::kNoRatio:
@@ -143,7 +144,8 @@ std::string sentence(OperatingState state) {
     case OperatingState::kPaused:
       return "PAUSED: the brakes hold the robot";
     case OperatingState::kFault:
-      return "FAULT: the robot is in E-STOP, which is ended at the robot, or the model broke down";
+      return "FAULT: the robot is in E-STOP (end it at the robot), or the model's simulation failed (restart the "
+             "daemon)";
   }
   return "unknown";
 }
@@ -159,15 +161,15 @@ std::string runOutSentence(double timeout) {
 std::string sentence(MeasuredFrom from, Tick age) {
   switch (from) {
     case MeasuredFrom::kModel:
-      return "no robot is there: measured_* has the model's joints";
+      return "no robot is connected: measured_* has the model's joints";
     case MeasuredFrom::kRobot:
       return "";
     case MeasuredFrom::kStale:
       return "the robot's state is old: measured_* repeats the last one for " +
-             number(MeasuredSource::kRepeated * kTickSeconds, "s") + " at most (model/ goes on)";
+             number(MeasuredSource::kRepeated * kTickSeconds, "s") + " at most (model/ continues)";
     case MeasuredFrom::kNone:
       return "no state of the robot for " + number(static_cast<double>(age) * kTickSeconds, "s") +
-             ": measured_* stops until there is one (model/ goes on)";
+             ": measured_* stops until the next one (model/ continues)";
   }
   return "unknown";
 }

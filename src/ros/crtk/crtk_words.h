@@ -26,7 +26,7 @@ std::string sentence(OperatingState state);
 CrtkLevel level(OperatingState state) noexcept;
 
 /** For ServoState::alone: only this says that the model moves without the robot. */
-constexpr const char* kAloneSentence = "the robot that was there is not: the model moves alone";
+constexpr const char* kAloneSentence = "the robot is not connected any more: the model moves alone";
 
 /** For ServoArmState::run_out. @param[in] timeout [s]. */
 std::string runOutSentence(double timeout);

@@ -59,13 +59,13 @@ TEST(CrtkWords, WhatIsRefusedBecauseOfTheStateSaysTheWayOut) {
   refused = refusalOf(ServoKind::kState, ServoRefusal::kInvalid);
   refused.state = StateCommand::kPause;
   refused.in = OperatingState::kDisabled;
-  EXPECT_EQ(sentence(refused), "state_command: pause is nothing in DISABLED; there enable goes on");
+  EXPECT_EQ(sentence(refused), "state_command: pause has no effect in DISABLED; enable has");
 }
 
 TEST(CrtkWords, InAFaultNobodyIsToldToEnable) {
   ServoRefused refused = refusalOf(ServoKind::kServoTwist, ServoRefusal::kNotEnabled);
   refused.in = OperatingState::kFault;
-  EXPECT_EQ(sentence(refused), "servo_cv: the arms are in FAULT: an E-STOP, which is ended at the robot");
+  EXPECT_EQ(sentence(refused), "servo_cv: the arms are in FAULT: end the E-STOP at the robot");
 }
 
 TEST(CrtkWords, FreeThatFindsNothingToLetGoOfNamesNoOtherCommand) {
@@ -73,7 +73,7 @@ TEST(CrtkWords, FreeThatFindsNothingToLetGoOfNamesNoOtherCommand) {
   refused.in = OperatingState::kDisabled;
   for (std::size_t i = 0; i < kStateCommandCount; ++i) {
     refused.state = static_cast<StateCommand>(i);  // `free` is not a StateCommand
-    EXPECT_EQ(sentence(refused), "free: the arms are DISABLED, nothing holds them but the brakes");
+    EXPECT_EQ(sentence(refused), "free: the arms are DISABLED: only the brakes hold them");
   }
 }
 
