@@ -37,7 +37,7 @@ class CrtkRaven(unittest.TestCase):
                  "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/arm1/servo_jv": JointState,
                  "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState, "/grasp1/servo_jv": JointState,
                  "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
-        cls.say = {topic: rospy.Publisher(topic, kind, queue_size=100, latch=True) for topic, kind in kinds.items()}
+        cls.say = {topic: rospy.Publisher(topic, kind, queue_size=1, latch=True) for topic, kind in kinds.items()}
         cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # the client's first line; latched
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
         until(lambda: cls.states[-1].state == "ENABLED", 5, "resumed")

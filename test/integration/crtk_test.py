@@ -599,7 +599,9 @@ class Crtk(unittest.TestCase):
                  "local/setpoint_cp": PoseStamped, "trajectory_j/ratio": Float64, "jaw/measured_js": JointState,
                  "jaw/setpoint_js": JointState}
         newest = {}
-        publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=10, latch=topic == "state_command")
+        settings = {"body/set_cf_orientation_absolute", "use_gravity_compensation", "trajectory_j/set_ratio", "emulate_tool_present"}
+        publishers = {topic: rospy.Publisher(f"{name}/{topic}", kind, queue_size=1 if topic in settings else 10,
+                                             latch=topic == "state_command" or topic in settings)
                       for topic, kind in said.items()}
         subscribers = [rospy.Subscriber(f"{name}/{topic}", kind, lambda m, topic=topic: newest.__setitem__(topic, m),
                                         queue_size=10) for topic, kind in heard.items()]
@@ -624,6 +626,9 @@ class Crtk(unittest.TestCase):
         self.assertFalse(inverse(cp=PoseStamped().pose, jp=joints).result)
         local = rospy.ServiceProxy(f"{name}/local/forward_kinematics", QueryForwardKinematics)(jp=joints)
         self.assertLess(math.dist(vector(local.cp.position), vector(arm.pose("local/measured_cp").pose.position)), 2e-4)
+        back = rospy.ServiceProxy(f"{name}/local/inverse_kinematics", QueryInverseKinematics)(cp=local.cp, jp=joints)
+        self.assertTrue(back.result, back.message)
+        self.assertLess(max(abs(a - b) for a, b in zip(back.jp, joints)), 1e-5)
 
         publishers["trajectory_j/set_ratio"].publish(Float64(data=0.5))
         until(lambda: newest["trajectory_j/ratio"].data == 0.5, 5, "the new ratio published")
