@@ -133,6 +133,7 @@ void ServoManager::observe(const ServoSituation& stand) noexcept {
   stand_ = stand;
   if (stand.mode != Mode::kCameraMoving) is_joined_ = stand.linked;
   had_robot_ = had_robot_ || stand.robot_there;
+  was_started_ = stand.robot_there && (was_started_ || !stand.robot_stopped);
   if (isInFault()) {
     if (state_ != OperatingState::kFault) letGo(OperatingState::kFault);
   } else if (state_ == OperatingState::kFault || stand.mode == Mode::kStopped) {
@@ -287,6 +288,7 @@ ServoRefusal ServoManager::takeState(StateCommand command) noexcept {
     command = StateCommand::kResume;
   const auto next = control::nextState(state_, command);
   if (!next) return ServoRefusal::kInvalid;
+  if (stand_.robot_stopped && *next != state_) return ServoRefusal::kRobotStop;
   if (isInFault()) return stand_.robot_stopped ? ServoRefusal::kRobotStop : ServoRefusal::kMode;
   if (console_pedal_) return *next == state_ ? ServoRefusal::kNone : ServoRefusal::kConsole;
   disable_asked_ = *next == OperatingState::kDisabled;

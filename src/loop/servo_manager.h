@@ -82,7 +82,7 @@ class ServoManager {
 
   void settleRelease(const ServoSituation& stand) noexcept;
   void observe(const ServoSituation& stand) noexcept;
-  bool isInFault() const noexcept { return stand_.robot_stopped || !stand_.is_healthy; }
+  bool isInFault() const noexcept { return (stand_.robot_stopped && was_started_) || !stand_.is_healthy; }
   bool hasLostPedal(const ServoSituation& stand) const noexcept;
   void drain() noexcept;
   void serveOrder(const ServoOrder& order) noexcept;
@@ -129,6 +129,7 @@ class ServoManager {
   bool console_pedal_{false};  ///< down
   bool is_joined_{false};      ///< model and robot, but for the camera's pedal
   bool had_robot_{false};
+  bool was_started_{false};    ///< the connected robot has left E-STOP once: before its first start it has no fault
   bool is_unhomed_{false};     ///< a client said so
   bool disable_asked_{false};  ///< by a client, and nothing has started since
   std::uint64_t unread_{0};    ///< of SharedState::servo_unread

@@ -337,15 +337,41 @@ TEST_F(ServoCommands, WaitForARobotThatDoesNotTakeThemYet) {
   EXPECT_LT(tipsApart(tip(), goal.p), 1e-6);
 }
 
+TEST_F(ServoCommands, FindARobotDisabledThatWasNotStartedAndInAFaultOnceItFell) {
+  for (int connection = 0; connection < 2; ++connection) {
+    stand.robot_there = true;
+    stand.robot_stopped = true;
+    tick(5);
+    EXPECT_EQ(state().state, OperatingState::kDisabled);
+    EXPECT_EQ(state().is_homed, 0);
+    EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
+    EXPECT_EQ(ask(StateCommand::kDisable), ServoRefusal::kNone);
+    EXPECT_EQ(state().state, OperatingState::kDisabled);
+    EXPECT_EQ(state().holds_pedal, 0);
+    stand.robot_stopped = false;
+    stand.robot_homed = stand.robot_ready = true;
+    EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kNone);
+    stand.robot_stopped = true;
+    tick();
+    EXPECT_EQ(state().state, OperatingState::kFault);
+    EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
+    EXPECT_EQ(ask(StateCommand::kDisable), ServoRefusal::kRobotStop);
+    EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kInvalid);
+    EXPECT_EQ(refused.in, OperatingState::kFault);
+    EXPECT_EQ(state().holds_pedal, 0);
+    stand = ServoSituation{};  // its control software is started again
+    stand.is_healthy = stand.applies = true;
+    tick(2);
+  }
+}
+
 TEST_F(ServoCommands, AreRefusedWithTheReasonThatHolds) {
   stand.robot_there = true;
   stand.robot_stopped = true;
   tick();
-  EXPECT_EQ(state().state, OperatingState::kFault);
   EXPECT_EQ(ask(StateCommand::kEnable), ServoRefusal::kRobotStop);
   EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kRobotStop);
   EXPECT_EQ(ask(StateCommand::kPause), ServoRefusal::kInvalid);
-  EXPECT_EQ(refused.in, OperatingState::kFault);
   stand.robot_stopped = false;  // the robot homes
   EXPECT_EQ(ask(StateCommand::kHome), ServoRefusal::kNone);
   EXPECT_EQ(state().state, OperatingState::kDisabled);
