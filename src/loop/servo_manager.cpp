@@ -413,7 +413,7 @@ void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointAr
   ServoState state;
   state.tick = tick;
   state.time_ns = time_ns;
-  state.state = state_;
+  state.state = is_raven_ && is_homing && state_ == OperatingState::kDisabled ? OperatingState::kEnabled : state_;
   state.is_homed = isHomed(stand_) && !is_unhomed_ ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
   const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;

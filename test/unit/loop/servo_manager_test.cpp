@@ -956,8 +956,17 @@ TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   speakRaven(&config);
   rig = std::make_unique<Rig>(config);
   c = std::make_unique<ServoClient>(rig.get());
+  for (int i = 0, stopped = 0; i < 5000 && rig->robot().runlevel != RunLevel::kInit; ++i) {
+    c->rest(1);
+    const bool is_stopped = rig->robot().connected != 0 && rig->robot().runlevel == RunLevel::kEStop;
+    if (is_stopped && ++stopped > 1) ASSERT_EQ(state(), OperatingState::kDisabled) << "not started";
+  }
+  ASSERT_EQ(rig->robot().runlevel, RunLevel::kInit);
   c->rest(5);
-  EXPECT_NE(state(), OperatingState::kPaused) << "the robot is not homed";
+  EXPECT_EQ(state(), OperatingState::kEnabled) << "as the robot's branch: ENABLED and busy while it homes";
+  EXPECT_TRUE(c->isBusy());
+  EXPECT_EQ(c->state().is_homed, 0);
+  EXPECT_EQ(c->state().holds_pedal, 0);
   ASSERT_TRUE(rig->home());
   c->rest(200);
   EXPECT_EQ(state(), OperatingState::kPaused);
