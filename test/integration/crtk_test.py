@@ -38,6 +38,7 @@ SETTLE = 12  # s at most; doc/crtk.md has 6: until the integral of a Raven's too
 NEAR, NEAR_TURN = 0.5e-3, math.radians(0.2)  # m, rad: measured from set point, at rest
 STILL, STILL_TURN = 0.1e-3, math.radians(0.1)  # m, rad
 SAME = 1e-5  # m: the set point is still
+HOME = (math.radians(30), math.radians(90), 0.40, 0.0, 0.0, 0.0)  # after homing (raven2.md)
 
 
 ONE_TWIST = """
@@ -790,6 +791,42 @@ class Crtk(unittest.TestCase):
         self.assertGreater(angle(world, body), math.radians(30))
         for publisher in publishers.values():
             publisher.unregister()
+
+    def test_19_what_the_models_tip_presses_on_is_a_force_at_the_tip(self):
+        arm = self.arms[0]
+        topics = {t: Topic(f"model/{arm.name}/{t}", WrenchStamped) for t in ("measured_cf", "body/measured_cf", "spatial/measured_cf")}
+        poses = Topic(f"model/{arm.name}/measured_cp", PoseStamped)
+        other = Topic(f"model/{self.arms[1].name}/measured_cf", WrenchStamped)
+        arm.joints("move_jp", HOME)
+        until(lambda: arm.state.is_busy, 2, "busy")
+        until(lambda: not arm.state.is_busy, 10, "above the dome")
+        down = TwistStamped()
+        down.twist.linear.z = -0.03
+
+        def presses():
+            arm.say("servo_cv", down)
+            return topics["measured_cf"].newest is not None and topics["measured_cf"].newest.wrench.force.z > 2.0
+
+        until(presses, 10, "the dome touched")
+        arm.say("hold", Empty())
+        time.sleep(0.2)
+        at = {name: {m.header.stamp: m for m in topic.messages} for name, topic in {**topics, "pose": poses}.items()}
+        same = [stamp for stamp in at["measured_cf"] if all(stamp in found for found in at.values())]
+        pressed = [stamp for stamp in same if at["measured_cf"][stamp].wrench.force.z > 1.0]
+        self.assertGreater(len(pressed), 10)
+        for stamp in pressed:
+            force, torque = (vector(v) for v in (at["measured_cf"][stamp].wrench.force, at["measured_cf"][stamp].wrench.torque))
+            pose, along_tip = at["pose"][stamp].pose, at["body/measured_cf"][stamp].wrench
+            self.assertLess(math.dist(rotate(pose.orientation, vector(along_tip.force)), force), 1e-6)
+            self.assertLess(math.dist(rotate(pose.orientation, vector(along_tip.torque)), torque), 1e-6)
+            p = vector(pose.position)
+            lever = tuple(p[(i + 1) % 3] * force[(i + 2) % 3] - p[(i + 2) % 3] * force[(i + 1) % 3] for i in range(3))
+            about_origin = at["spatial/measured_cf"][stamp].wrench
+            self.assertLess(math.dist(vector(about_origin.force), force), 1e-6)
+            self.assertLess(math.dist(vector(about_origin.torque), tuple(a + b for a, b in zip(torque, lever))), 1e-6)
+        self.assertEqual({vector(m.wrench.force) for m in other.messages}, {(0.0, 0.0, 0.0)})
+        for topic in (*topics.values(), poses, other):
+            topic.close()
 
 
 if __name__ == "__main__":
