@@ -311,6 +311,7 @@ ServoRefusal ServoManager::takePedal() noexcept {
 
 ServoRefusal ServoManager::mayHold() const noexcept {
   if (console_pedal_) return ServoRefusal::kConsole;
+  if (shownState() != state_) return ServoRefusal::kNotHomed;
   return holds_pedal_ ? ServoRefusal::kNone : ServoRefusal::kNotEnabled;
 }
 
@@ -408,12 +409,21 @@ Pose ServoManager::trimmed(Arm arm, const JointArray& q) noexcept {
   return rest.trimmed.of(X_BT);
 }
 
+bool ServoManager::isHoming() const noexcept {
+  return !isHomed(stand_) && !stand_.robot_stopped;
+}
+
+/** While a Raven homes, the robot's own branch says ENABLED and busy. */
+OperatingState ServoManager::shownState() const noexcept {
+  const bool homes = is_raven_ && isHoming() && !stand_.stop_asked && state_ == OperatingState::kDisabled;
+  return homes ? OperatingState::kEnabled : state_;
+}
+
 void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {
-  const bool is_homing = !isHomed(stand_) && !stand_.robot_stopped;
   ServoState state;
   state.tick = tick;
   state.time_ns = time_ns;
-  state.state = is_raven_ && is_homing && state_ == OperatingState::kDisabled ? OperatingState::kEnabled : state_;
+  state.state = shownState();
   state.is_homed = isHomed(stand_) && !is_unhomed_ ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
   const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;
@@ -422,7 +432,7 @@ void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointAr
     ServoArmState& out = at(state.arms, arm);
     const control::ServoTarget& target = at(targets_, arm);
     const JointArray q = at(rests_, arm).trim.without(at(q_d, arm));
-    out.is_busy = is_homing || target.isMoving() ? 1 : 0;
+    out.is_busy = isHoming() || target.isMoving() ? 1 : 0;
     out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
     out.setpoint_q = control::servoJoints(q);
     out.setpoint_jaw = kinematics::jawOpening(q);

@@ -83,6 +83,8 @@ class ServoManager {
   void settleRelease(const ServoSituation& stand) noexcept;
   void observe(const ServoSituation& stand) noexcept;
   bool isInFault() const noexcept { return (stand_.robot_stopped && was_started_) || !stand_.is_healthy; }
+  bool isHoming() const noexcept;
+  OperatingState shownState() const noexcept;
   bool hasLostPedal(const ServoSituation& stand) const noexcept;
   void drain() noexcept;
   void serveOrder(const ServoOrder& order) noexcept;

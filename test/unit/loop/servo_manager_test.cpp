@@ -967,6 +967,7 @@ TEST_F(ServoManagerTest, InTheRavensDialectAHomedRobotIsPausedAndResumes) {
   EXPECT_TRUE(c->isBusy());
   EXPECT_EQ(c->state().is_homed, 0);
   EXPECT_EQ(c->state().holds_pedal, 0);
+  EXPECT_EQ(c->ask(ServoKind::kServoPose, Arm::kGold, setpoint()), ServoRefusal::kNotHomed);
   ASSERT_TRUE(rig->home());
   c->rest(200);
   EXPECT_EQ(state(), OperatingState::kPaused);
