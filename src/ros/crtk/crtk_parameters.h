@@ -1,7 +1,7 @@
 #pragma once
 
-#include <XmlRpcValue.h>
 #include <ros/node_handle.h>
+#include <xmlrpcpp/XmlRpcValue.h>
 
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/arms_config.h"
