@@ -762,7 +762,7 @@ class Crtk(unittest.TestCase):
             """The tip's way within 0.3 s, always from the same pose: a force at the tip turns the wrist, too."""
             publishers["move_jp"].publish(JointState(position=begin))
             until(lambda: arm.state.is_busy, 2, "busy")
-            until(lambda: not arm.state.is_busy, 5, "at the begin")
+            until(lambda: not arm.state.is_busy, 5, "at the start pose")
             wrench = WrenchStamped()
             wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z = force
             start = model()
