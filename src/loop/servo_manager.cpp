@@ -367,6 +367,7 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
   if (!moves || is_pushed) {
     at(rests_, arm).leave();
     target.startFrom(taken, mapper.desired(), sent.opening);
+    sent.is_at_limit = false;
     if (!moves) return;
   }
   const JointArray q = at(rests_, arm).trim.without(mapper.desired());

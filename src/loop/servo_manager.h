@@ -64,7 +64,7 @@ class ServoManager {
     Pose X_BT{};
     double opening{};
     Pose asked{};        ///< where the increments were to lead
-    bool is_at_limit{};  ///< the mapping went as far as a joint's limit lets it
+    bool is_at_limit{};  ///< the mapping cut `asked` off at a joint's limit
   };
   struct Push {
     Effort wanted{};

@@ -65,7 +65,7 @@ class CrtkRaven(unittest.TestCase):
             measured = self.next(f"/{arm}/measured_cp", TransformStamped).transform
             self.assertLess(math.dist(tip, vector(measured.translation)), 5e-3, "a Raven that was just homed")
             r = measured.rotation
-            self.assertGreater(abs(sum(a * b for a, b in zip(turn, (r.x, r.y, r.z, r.w)))), math.cos(0.1), "its tool sticks")
+            self.assertGreater(abs(sum(a * b for a, b in zip(turn, (r.x, r.y, r.z, r.w)))), math.cos(0.1), "friction holds its tool")
 
     def test_1_increments_go_along_the_axes_of_the_turned_base(self):
         by = TransformStamped()

@@ -16,7 +16,7 @@ namespace raven2_trainer::ros_bridge {
  */
 XmlRpc::XmlRpcValue ravenParameters(const CrtkConfig& config, Arm arm, const ArmGeometry& geometry);
 
-/** Sets them in the arm's namespace. Those that are there already stay. Two calls to the master, in total. */
+/** Sets them in the arm's namespace. Those that are there already stay. Two calls to the master. */
 void setRavenParameters(const ros::NodeHandle& node, const CrtkConfig& config, Arm arm, const ArmGeometry& geometry);
 
 }  // namespace raven2_trainer::ros_bridge
