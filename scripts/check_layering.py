@@ -98,8 +98,6 @@ def violations(module, path):
             if header.startswith(module + "/"):
                 continue
         reason = judge(module, header, quoted, allowed, foreign)
-        if header == WHOLE and not ROOTS.match(str(path.relative_to(ROOT))):
-            reason = "no composition root"
         if reason:
             yield f"{path.relative_to(ROOT)}:{number}: {header}: {reason}"
 
@@ -138,6 +136,22 @@ def includes(path):
 def resolved(path, header):
     found = [folder / header for folder in (path.parent, ROOT / "include", ROOT / "src") if (folder / header).is_file()]
     return found[0].resolve() if found else None
+
+
+def seen_whole(files):
+    """Lists files that see all of the configuration, also through other headers, and put no whole together."""
+    sees = {(ROOT / "include" / WHOLE).resolve()}
+    ours = {path: {resolved(path, header) for _, header, quoted in includes(path) if header and quoted}
+            for path in (path.resolve() for _, path in files)}
+    while True:
+        more = {path for path, headers in ours.items() if headers & sees} - sees
+        if not more:
+            break
+        sees |= more
+    for path in sorted(sees):
+        name = str(path.relative_to(ROOT.resolve()))
+        if not ROOTS.match(name):
+            yield f"{name}:1: {WHOLE}: no composition root"
 
 
 def source_of(path):
@@ -195,7 +209,7 @@ def main():
     parser.add_argument("--junit", metavar="FILE", help="write the result as JUnit XML")
     args = parser.parse_args()
     files = list(sources())
-    found = [line for module, path in files for line in violations(module, path)] + list(impurities(files))
+    found = [line for module, path in files for line in violations(module, path)] + list(impurities(files)) + list(seen_whole(files))
     found += [f"src/{folder.name}: has no rule" for folder in (ROOT / "src").iterdir() if folder.is_dir() and folder.name not in RULES]
     print("\n".join(found) if found else f"{len(files)} files keep the layers")
     if not files:

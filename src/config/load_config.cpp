@@ -159,14 +159,6 @@ TrainerConfig loadTrainerConfig(const std::string& path, const TrainingNames& in
   return c;
 }
 
-InjectionConfig loadInjection(const std::string& path) {
-  Section root = Section::fromFile(path);
-  InjectionConfig injection;
-  readInjection(root, &injection);
-  root.finish();
-  return injection;
-}
-
 OverlaySet overlaysOf(const std::vector<std::string>& names) {
   OverlaySet set;
   if (names.size() == 1 && names[0] == "all") return OverlaySet::all();

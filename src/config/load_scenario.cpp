@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "config/readers.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
@@ -246,6 +247,14 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
          "holds " + std::to_string(scenario.faults.size()) + " rows, expected 1 to " + std::to_string(kMaxFaults));
   root.finish();
   return scenario;
+}
+
+InjectionConfig loadInjection(const std::string& path) {
+  Section root = Section::fromFile(path);
+  InjectionConfig injection;
+  readInjection(root, &injection);
+  root.finish();
+  return injection;
 }
 
 }  // namespace raven2_trainer::config

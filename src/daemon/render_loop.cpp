@@ -9,6 +9,7 @@
 #include <memory>
 #include <thread>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/loop/frame_states.h"
 #include "raven2_trainer/net/clock.h"
 #include "raven2_trainer/session/active_fault.h"

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <cstdlib>
 
-#include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/load_scenario.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/net/key_file.h"
 
 namespace raven2_trainer::robot {

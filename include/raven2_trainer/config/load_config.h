@@ -21,9 +21,6 @@ TrainerConfig loadTrainerConfig(const std::string& path,
                                 const TrainingNames& instead = {},
                                 const Overrides& overrides = {});
 
-/** A file like config/injection.yaml alone: the two keys of fault injection. @throw ConfigException as above. */
-InjectionConfig loadInjection(const std::string& path);
-
 /** The overlays of these names, or {"all"} of them, or {"none"}. @throw ConfigException listing the known names. */
 OverlaySet overlaysOf(const std::vector<std::string>& names);
 

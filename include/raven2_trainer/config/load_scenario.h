@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/faults/fault_library.h"
 #include "raven2_trainer/faults/scenario.h"
 
 namespace raven2_trainer::config {
@@ -19,5 +20,8 @@ Scenario loadScenario(const std::string& path, std::uint32_t id, const std::vect
 
 /** One row of a scenario, which is all that `row` may hold. @throw ConfigException as above. */
 Fault readFault(Section& row, std::uint32_t id, const std::vector<std::string>& impairments);
+
+/** A file like config/injection.yaml alone: the two keys of fault injection. @throw ConfigException with FILE:LINE. */
+InjectionConfig loadInjection(const std::string& path);
 
 }  // namespace raven2_trainer::config

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/core/camera_config.h"
 #include "raven2_trainer/daemon/live_pace.h"
 #include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/camera.h"
@@ -16,6 +16,10 @@
 #include "raven2_trainer/render/picture_line.h"
 #include "raven2_trainer/render/renderer.h"
 #include "raven2_trainer/render/tool_contacts.h"
+
+namespace raven2_trainer {
+struct TrainerConfig;
+}
 
 namespace raven2_trainer::daemon {
 

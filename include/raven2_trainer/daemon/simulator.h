@@ -4,12 +4,15 @@
 #include <string>
 #include <vector>
 
-#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/daemon/render_loop.h"
 #include "raven2_trainer/loop/plan_counts.h"
 #include "raven2_trainer/loop/shared_state.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/session/session_directory.h"
+
+namespace raven2_trainer {
+struct TrainerConfig;
+}
 
 namespace raven2_trainer::daemon {
 

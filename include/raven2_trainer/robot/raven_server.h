@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/spsc_ring.h"
 #include "raven2_trainer/core/state_cell.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -17,6 +16,11 @@
 #include "raven2_trainer/robot/raven_automove.h"
 #include "raven2_trainer/robot/state_server.h"
 #include "raven2_trainer/threads/cyclic_thread.h"
+#include "raven2_trainer/threads/runtime_config.h"
+
+namespace raven2_trainer {
+struct TrainerConfig;
+}
 
 namespace raven2_trainer::robot {
 

@@ -62,7 +62,7 @@ struct RosBridge::Impl {
         configuration(node.advertise<SessionConfiguration>("session/configuration", 1, kLatched)),
         diagnostic_arrays(node.advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", kQueue)),
         spinner(1) {
-    if (may_command) move_arm = std::make_unique<MoveArmServer>(node, *daemon, &client);
+    if (may_command) move_arm = std::make_unique<MoveArmServer>(node, daemon->config().arms.geometry, *daemon, &client);
     if (daemon->config().crtk.enabled)
       crtk = std::make_unique<CrtkDevice>(node, source(), &daemon->shared(), may_command);
     listenToPedals(daemon->config().network.joy);

@@ -1,6 +1,7 @@
 #include "ros/bridge/services.h"
 
 #include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/loop/fault_director.h"

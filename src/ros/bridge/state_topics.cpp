@@ -43,11 +43,11 @@ StateTopics::StateTopics(const TopicMaker& topics, const TopicSource& source, st
       positions_(source.raven.description.links.size()),
       poses_(positions_.size()),
       is_fixed_(fixedLinks(source.raven.description)) {
-  fixed_transforms_.publish(fixedFrames(source.raven, source.config.render, now));
+  fixed_transforms_.publish(fixedFrames(source.raven, source.render, now));
 }
 
 void StateTopics::publish(const PublishedStates& states, const ros::Time& stamp) {
-  const double d4 = source_.config.arms.geometry.d4;
+  const double d4 = source_.geometry.d4;
   model_joints_.publish(jointState(states.model, d4, stamp));
   if (states.robot.frame > 0 && states.robot.connected != 0) robot_joints_.publish(jointState(states.robot, d4, stamp));
   for (const Arm arm : kArms)
@@ -55,7 +55,7 @@ void StateTopics::publish(const PublishedStates& states, const ros::Time& stamp)
   planning_.publish(states.model, stamp);
   training_.publish(states.model, stamp);
   publishEdge(states);
-  if (cycle_ % cyclesIn(kTransformPeriod, source_.config.runtime.ros_period) == 0) {
+  if (cycle_ % cyclesIn(kTransformPeriod, source_.period) == 0) {
     publishTransforms(states, stamp);
     publishMarkers(states, stamp);
   }
@@ -102,7 +102,7 @@ void StateTopics::publishTransforms(const PublishedStates& states, const ros::Ti
 void StateTopics::addCameras(const ModelState& model,
                              const ros::Time& stamp,
                              std::vector<geometry_msgs::TransformStamped>* transforms) {
-  const RenderConfig& render = source_.config.render;
+  const RenderConfig& render = source_.render;
   for (const std::string& name : liveCameras(render)) {
     const CameraConfig& config = model::requireCamera(render.cameras, name);
     if (config.moves == CameraMoves::kNever) continue;

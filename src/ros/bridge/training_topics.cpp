@@ -40,14 +40,14 @@ void TrainingTopics::publishProgress(const ModelState& model, const ros::Time& s
   const bool is_due = is_running && model.tick - published_progress_.tick >= kPeriod;
   if (has_published_ && !is_due && isSameProgress(model.exercise, published_progress_.exercise)) return;
   published_progress_ = model;
-  progress_.publish(exerciseProgress(model, source_.config.exercise, stamp));
+  progress_.publish(exerciseProgress(model, source_.exercise, stamp));
 }
 
 void TrainingTopics::publishEvents(const ros::Time& stamp) {
   const ExerciseNews news = source_.shared.exercise_news.load();
   for (std::uint64_t n = news.firstAfter(events_published_); n <= news.count; ++n) {
     const ExerciseRecord& record = news.newest[n % ExerciseNews::kKept];
-    events_.publish(exerciseEvent(n, record, source_.config.exercise, source_.body_names, stamp));
+    events_.publish(exerciseEvent(n, record, source_.exercise, source_.body_names, stamp));
   }
   events_published_ = news.count;
 }

@@ -43,19 +43,19 @@ DiagnosticStatus crtkStatus(const ServoState& servo, const CrtkCounts& heard) {
 
 CrtkDevice::CrtkDevice(const ros::NodeHandle& node, const TopicSource& source, SharedState* shared, bool may_command)
     : source_(source), shared_(*shared), node_(onQueue(node, &queue_)), spinner_(1, &queue_), inbox_(shared) {
-  const CrtkConfig& config = source.config.crtk;
+  const CrtkConfig& config = source.crtk;
   const auto before = publishersNow();
   for (const Arm arm : kArms) {
     const Pose& X_WB = at(source.raven.X_WB, arm);
-    if (config.dialect == CrtkDialect::kRaven) setRavenParameters(node_, config, arm, source.config.arms.geometry);
+    if (config.dialect == CrtkDialect::kRaven) setRavenParameters(node_, config, arm, source.geometry);
     auto& voice = at(voices_, arm) = std::make_unique<CrtkVoice>(&node_, at(config.names, arm));
-    at(arms_, arm) = std::make_unique<CrtkArm>(&node_, arm, config, source.config.arms.geometry, X_WB,
-                                               source.body_names, voice.get());
-    at(listeners_, arm) = std::make_unique<CrtkListener>(node_, arm, config, source.config.arms.geometry, X_WB,
-                                                         may_command, before, &inbox_, voice.get());
+    at(arms_, arm) =
+        std::make_unique<CrtkArm>(&node_, arm, config, source.geometry, X_WB, source.body_names, voice.get());
+    at(listeners_, arm) = std::make_unique<CrtkListener>(node_, arm, config, source.geometry, X_WB, may_command, before,
+                                                         &inbox_, voice.get());
     if (!may_command) continue;
-    at(kinematics_, arm) = std::make_unique<CrtkKinematics>(
-        &node_, arm, at(config.names, arm), source.config.arms.geometry, X_WB, config.dialect == CrtkDialect::kRaven);
+    at(kinematics_, arm) = std::make_unique<CrtkKinematics>(&node_, arm, at(config.names, arm), source.geometry, X_WB,
+                                                            config.dialect == CrtkDialect::kRaven);
   }
   spinner_.start();
   publisher_.start(

@@ -41,13 +41,13 @@ std::string lookedUp() {
 
 /** A node has some 300 topics and services: few messages with many calls, or single calls if the master knows no such
  * messages. @return the payloads; nothing if a call failed. */
-std::optional<std::vector<Value>> askMaster(std::vector<Request> requests) {
-  for (Request& request : requests)
+std::optional<std::vector<Value>> askMaster(std::vector<MasterCall> requests) {
+  for (MasterCall& request : requests)
     request.arguments.insert(request.arguments.begin(), Value(ros::this_node::getName()));
   std::optional<std::vector<Value>> all = callAll(ros::master::getHost(), ros::master::getPort(), requests);
   if (all) return all;
   std::vector<Value> payloads;
-  for (const Request& request : requests) {
+  for (const MasterCall& request : requests) {
     const std::optional<Value> one =
         call(ros::master::getHost(), ros::master::getPort(), request.method, request.arguments);
     if (!one) return {};
@@ -57,8 +57,8 @@ std::optional<std::vector<Value>> askMaster(std::vector<Request> requests) {
 }
 
 /** @return a request for each topic of a list of [topic, type]. */
-std::vector<Request> requestsFor(Value& topics, const std::string& method) {
-  std::vector<Request> requests;
+std::vector<MasterCall> requestsFor(Value& topics, const std::string& method) {
+  std::vector<MasterCall> requests;
   for (int i = 0; i < topics.size(); ++i)
     requests.push_back({method, {topics[i][0], topics[i][1], ownUri()}});
   return requests;
@@ -75,7 +75,7 @@ bool registerTopics() {
 bool registerSubscriptions() {
   std::optional<Value> topics = callSelf("getSubscriptions");
   if (!topics) return false;
-  const std::vector<Request> requests = requestsFor(*topics, "registerSubscriber");
+  const std::vector<MasterCall> requests = requestsFor(*topics, "registerSubscriber");
   std::optional<std::vector<Value>> publishers = askMaster(requests);
   for (std::size_t i = 0; publishers && i < publishers->size(); ++i) {
     if ((*publishers)[i].getType() == Value::TypeArray && (*publishers)[i].size() > 0)
@@ -89,7 +89,7 @@ bool registerServices(std::vector<std::string> services) {
     services.push_back(ros::names::resolve(own));
   const std::string api =
       "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
-  std::vector<Request> requests;
+  std::vector<MasterCall> requests;
   for (const std::string& service : services)
     requests.push_back({"registerService", {Value(service), Value(api), ownUri()}});
   return askMaster(requests).has_value();

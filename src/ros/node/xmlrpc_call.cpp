@@ -76,7 +76,7 @@ std::optional<Value> call(const std::string& host,
 
 std::optional<std::vector<Value>> callAll(const std::string& host,
                                           std::uint32_t port,
-                                          const std::vector<Request>& requests,
+                                          const std::vector<MasterCall>& requests,
                                           double patience) {
   std::vector<Value> payloads;
   for (std::size_t begin = 0; begin < requests.size(); begin += kTogether) {

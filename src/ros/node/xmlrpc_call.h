@@ -24,8 +24,8 @@ std::optional<XmlRpc::XmlRpcValue> call(const std::string& host,
                                         const std::vector<XmlRpc::XmlRpcValue>& arguments,
                                         double patience = kPatience);  // [s]
 
-/** A call of callAll(). */
-struct Request {
+/** A call of callAll(). Not "Request": that is the physics loop's, in the namespace around this one. */
+struct MasterCall {
   std::string method;
   std::vector<XmlRpc::XmlRpcValue> arguments;
 };
@@ -37,7 +37,7 @@ struct Request {
  */
 std::optional<std::vector<XmlRpc::XmlRpcValue>> callAll(const std::string& host,
                                                         std::uint32_t port,
-                                                        const std::vector<Request>& requests,
+                                                        const std::vector<MasterCall>& requests,
                                                         double patience = kPatience);  // [s]
 
 }  // namespace raven2_trainer::ros_bridge

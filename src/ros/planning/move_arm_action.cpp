@@ -16,8 +16,11 @@ MoveArmResult refusal(const ReadRequest& read) {
 
 }  // namespace
 
-MoveArmServer::MoveArmServer(const ros::NodeHandle& node, const daemon::Simulator& simulator, PlanningClient* client)
-    : simulator_(simulator), task_(client), server_(node, "move_arm", kStartsLater) {
+MoveArmServer::MoveArmServer(const ros::NodeHandle& node,
+                             const ArmGeometry& geometry,
+                             const daemon::Simulator& simulator,
+                             PlanningClient* client)
+    : geometry_(geometry), simulator_(simulator), task_(client), server_(node, "move_arm", kStartsLater) {
   server_.start();
   thread_.start(kLookPeriod, [this] { look(); });
 }
@@ -42,7 +45,7 @@ void MoveArmServer::look() {
 void MoveArmServer::begin() {
   const MoveArmGoalConstPtr goal = server_.acceptNewGoal();
   if (!goal) return;  // taken back in between
-  const ReadRequest read = planRequest(wantedPlan(*goal), simulator_.config().arms.geometry.d4);
+  const ReadRequest read = planRequest(wantedPlan(*goal), geometry_.d4);
   if (!read.isGood()) return server_.setAborted(refusal(read), read.status);
   task_.begin(read.request, goal->on_robot != 0);
 }
@@ -57,7 +60,7 @@ void MoveArmServer::end() {
 
 void MoveArmServer::publishFeedback() {
   const ModelState model = simulator_.shared().model.load();
-  const TipErrors errors = tipErrors(model, simulator_.shared().robot.load(), simulator_.config().arms.geometry);
+  const TipErrors errors = tipErrors(model, simulator_.shared().robot.load(), geometry_);
   clock_.look(model);
   MoveArmFeedback feedback;
   feedback.progress = planningProgress(model.planning, simulator_.planCounts(), clock_.elapsed(), ros::Time::now());

@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/MoveArmAction.h"
 #include "raven2_trainer/daemon/simulator.h"
+#include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/node/periodic_thread.h"
 #include "ros/planning/move_arm_task.h"
 #include "ros/planning/planning_client.h"
@@ -18,8 +19,11 @@ namespace raven2_trainer::ros_bridge {
  */
 class MoveArmServer {
  public:
-  /** `simulator`, `client` must outlive this. */
-  MoveArmServer(const ros::NodeHandle& node, const daemon::Simulator& simulator, PlanningClient* client);
+  /** `geometry`, `simulator`, `client` must outlive this. */
+  MoveArmServer(const ros::NodeHandle& node,
+                const ArmGeometry& geometry,
+                const daemon::Simulator& simulator,
+                PlanningClient* client);
 
   /** Ends the thread; a goal under way is aborted. After PlanningClient::stop(), or it waits for answers. */
   void stop();
@@ -30,6 +34,7 @@ class MoveArmServer {
   void end();
   void publishFeedback();
 
+  const ArmGeometry& geometry_;
   const daemon::Simulator& simulator_;
   MoveArmTask task_;
   StatusClock clock_;

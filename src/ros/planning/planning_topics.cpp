@@ -46,9 +46,8 @@ void PlanningTopics::publishPlan(const ros::Time& stamp) {
 }
 
 void PlanningTopics::publishPath(const PlanResult& plan, const ros::Time& stamp) {
-  const ArmGeometry& geometry = source_.config.arms.geometry;
-  trajectory_.publish(trajectory(plan, geometry.d4));  // stamp 0: to be begun when it arrives
-  tip_path_.publish(tipPath(plan, geometry, at(source_.raven.X_WB, plan.arm), stamp));
+  trajectory_.publish(trajectory(plan, source_.geometry.d4));  // stamp 0: to be begun when it arrives
+  tip_path_.publish(tipPath(plan, source_.geometry, at(source_.raven.X_WB, plan.arm), stamp));
 }
 
 void PlanningTopics::publishExecution(const ros::Time& stamp) {
