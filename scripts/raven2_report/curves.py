@@ -1,11 +1,11 @@
 """Learning curves: each judged metric over the attempts of several sessions, with the band."""
 
+import collections
 import json
 import os
 
 from raven2_report import drawing, metric_words
 from raven2_report.facts import MAX_FILE, load_score, load_small
-from raven2_report.scorecard import judged
 from raven2_report.text import esc, is_number, table, words
 
 ANSWER = "hazard_response"
@@ -17,10 +17,11 @@ USUAL = ("path", "economy", "sparc", "wire_touches", "collisions", "drops", "pea
 
 
 class Point:
-    """One attempt: `session` its directory's name, `start` UTC, `passed` or None, `metrics` name to value."""
+    """One attempt: `session` a short name of its directory, `start` UTC, `passed` or None, `metrics` name to value."""
 
-    def __init__(self, session, start, status, passed, metrics):
-        self.session, self.start, self.status, self.passed = session, start, status, passed
+    def __init__(self, start, status, passed, metrics):
+        self.session = ""  # known once all sessions are: short_names
+        self.start, self.status, self.passed = start, status, passed
         self.metrics = {name: value for name, value in metrics.items() if is_number(value)}
 
 
@@ -45,8 +46,7 @@ def points_of_session(directory, task):
         return None, why
     meta = load_small(os.path.join(directory, "meta.json"), json.load)
     start = str(meta.get("start_time_utc", "")) if isinstance(meta, dict) else ""
-    name = os.path.basename(os.path.abspath(directory))
-    return [Point(name, start, str(a.get("status", "")), a.get("passed"), _values(a)) for a in score["attempts"]], ""
+    return [Point(start, str(a.get("status", "")), a.get("passed"), _values(a)) for a in score["attempts"]], ""
 
 
 def _difference(its, ours):
@@ -61,16 +61,36 @@ def _task(entry):
     return tuple(str(entry.get(key) or "") for key in ("exercise", "drill", "trainee"))
 
 
+def place_of(path):
+    """The directory itself, whatever leads to it: two sessions may have the same name."""
+    try:
+        return os.path.realpath(path)
+    except ValueError:  # a name of an index.json with a NUL in it
+        return path
+
+
+def short_names(places):
+    """{place: its last part, and as many parts before it as distinguish it from the others}."""
+    parts = {place: place.strip(os.sep).split(os.sep) for place in places}
+    names, length = {}, 0
+    while len(names) < len(parts):
+        length += 1
+        ends = {place: os.sep.join(parts[place][-length:]) for place in parts if place not in names}
+        count = collections.Counter(ends.values())
+        names.update({place: end for place, end in ends.items() if count[end] == 1 or length >= len(parts[place])})
+    return names
+
+
 def points_of_index(path, task):
-    """The same from an index.json, which may be missing."""
+    """{place: attempts} from an index.json, which may be missing."""
     index = load_small(path, json.load) if os.path.isfile(path) and os.path.getsize(path) <= 32 * MAX_FILE else None
     sessions = index.get("sessions") if isinstance(index, dict) else None
     found = {}
     for entry in sessions if isinstance(sessions, list) else []:
         if isinstance(entry, dict) and _task(entry) == task and isinstance(entry.get("attempts"), list):
-            name = str(entry.get("directory", ""))
-            found[name] = [Point(name, str(entry.get("start_time_utc", "")), str(a.get("status", "")), a.get("passed"),
-                                 a.get("metrics") or {}) for a in entry["attempts"] if isinstance(a, dict)]
+            place = place_of(os.path.join(os.path.dirname(path), str(entry.get("directory", ""))))
+            found[place] = [Point(str(entry.get("start_time_utc", "")), str(a.get("status", "")), a.get("passed"),
+                                  a.get("metrics") or {}) for a in entry["attempts"] if isinstance(a, dict)]
     return found
 
 
@@ -79,20 +99,24 @@ def collect(facts, others):
 
     Of the directories given and, if the session has a trainee, of the index.json next to it."""
     if not facts.score:
-        return [], {os.path.basename(os.path.abspath(d)): "the reported session has no score" for d in others}
+        return [], {name: "the reported session has no score" for name in short_names(map(place_of, others)).values()}
     task = _task(facts.score)
     parent = os.path.dirname(os.path.abspath(facts.session.directory))
     found = points_of_index(os.path.join(parent, "index.json"), task) if task[2] and task[0] else {}
     left_out = {}
     for directory in [*others, facts.session.directory]:
         points, why = points_of_session(directory, task)
-        name = os.path.basename(os.path.abspath(directory))
         if points is None:
-            left_out[name] = why
+            left_out[place_of(directory)] = why
         else:
-            found[name] = points
+            found[place_of(directory)] = points
+    names = short_names([*found, *left_out])
+    for place, points in found.items():
+        for point in points:
+            point.session = names[place]
     order = sorted(found.values(), key=lambda points: (points[0].start, points[0].session) if points else ("", ""))
-    return [point for points in order for point in points if point.status != "waiting"], left_out
+    begun = [point for points in order for point in points if point.status != "waiting"]
+    return begun, {names[place]: why for place, why in left_out.items()}
 
 
 # ---- drawn ------------------------------------------------------------------------------------------------------
@@ -102,7 +126,9 @@ def section(facts, others):
     points, left_out = collect(facts, others)
     parts = []
     if len(points) > 1:
-        small = "".join(_small(facts, name, points) for name in _names(facts, points))
+        attempts = _newest_attempts(facts, others)
+        metrics = {**_metrics(attempts), ANSWER: _answer_metric(facts)}
+        small = "".join(_small(name, metrics.get(name, {}), points) for name in _names(attempts, points))
         parts.append(f'<p class="sub">{len(points)} attempts of {len({p.session for p in points})} sessions at '
                      f'the same task, in order of time.</p>{_key()}<div class="three">{small}</div>{_table(points)}')
     elif points:
@@ -114,10 +140,42 @@ def section(facts, others):
     return "".join(parts)
 
 
-def _names(facts, points):
-    """All judged metrics, time and the answer to the hazard first, then those out of the band; where nothing is judged the usual
-    ones that were measured."""
-    names = [name for name, _ in judged(facts)] or [n for n in USUAL if any(n in p.metrics for p in points)]
+def _newest_attempts(facts, others):
+    """Attempts of the given sessions at the same task: the reported one, then the newest first."""
+    task = _task(facts.score)
+    scores = [facts.score, *(load_score(directory)[0] for directory in reversed(others))]
+    attempts = [attempt for score in scores if score and _task(score) == task for attempt in reversed(score["attempts"])]
+    return ([facts.attempt] if facts.attempt else []) + attempts
+
+
+def _metrics(attempts):
+    """{name: metric} of the newest attempt. An attempt without a value has no limit: it is that of the newest with one."""
+    found = {}
+    for attempt in attempts:
+        for name, metric in attempt["metrics"].items():
+            if not isinstance(metric, dict):
+                continue
+            known = found.setdefault(name, metric)
+            if not is_number(known.get("limit")) and is_number(metric.get("limit")):
+                found[name] = {**known, "limit": metric["limit"], "better": metric.get("better")}
+    return found
+
+
+def _scored(attempts):
+    """Names of the metrics that the exercise scores, as the newest attempt has them: those out of the band first."""
+    for attempt in attempts:
+        found = [(name, m) for name, m in attempt["metrics"].items() if isinstance(m, dict) and m.get("scored") is True]
+        if found:
+            found.sort(key=lambda entry: (entry[1].get("passed") is not False, -(entry[1].get("excess") or 0.0)))
+            return [name for name, _ in found]
+    return []
+
+
+def _names(attempts, points):
+    """All scored metrics that were measured, time and the answer to the hazard first, then those out of the band; where
+    nothing is scored the usual ones."""
+    names, usual = ([n for n in wanted if any(n in p.metrics for p in points)] for wanted in (_scored(attempts), USUAL))
+    names = names or usual
     first = [name for name in FIRST if any(name in p.metrics for p in points)]
     return first + [name for name in names if name not in first]
 
@@ -129,8 +187,7 @@ def _key():
     return drawing.svg(1000, 24, drawing.legend(4, 16, entries, 12.5), "Legend", "key")
 
 
-def _small(facts, name, points):
-    metric = _answer_metric(facts) if name == ANSWER else facts.attempt["metrics"].get(name, {})
+def _small(name, metric, points):
     values = [(i, p.metrics[name], p) for i, p in enumerate(points, 1) if name in p.metrics]
     limit = metric.get("limit")
     numbers = [v for _, v, _ in values] + ([limit] if is_number(limit) else [])

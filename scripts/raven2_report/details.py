@@ -5,7 +5,7 @@ import re
 
 import numpy as np
 
-from raven2_report.text import esc, is_number, number, percent, table, words
+from raven2_report.text import counted, esc, is_number, number, percent, table, words
 
 PAPER_ERROR = "2.43 ± 1.72 mm"  # Li et al. 2017, Figure 4: the real robot in a run without faults
 
@@ -78,9 +78,16 @@ class Details:
             f'<div class="card"><span>{title}</span><b>{value}</b><small>{note}</small></div>'
             for title, value, note in entries) + "</div>"
 
+    def _no_fault(self):
+        unknown = len(self.facts.deviations)
+        if not unknown:
+            return "No fault acted on the robot."
+        are = "is" if unknown == 1 else "are"
+        return f"No fault is known. {counted(unknown, 'deviation').capitalize()} of unknown cause {are} listed above."
+
     def fault_table(self):
         if not self.faults:
-            return "<p>No fault acted on the robot.</p>"
+            return f"<p>{self._no_fault()}</p>"
         rows = []
         for i, f in enumerate(self.faults, 1):
             delay = f.get("error_to_force_ms")

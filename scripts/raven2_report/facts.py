@@ -11,6 +11,7 @@ from raven2_report import metric_words
 from raven2_report.text import is_number, words
 
 FELT = 0.5  # [N] that a hand notices (haptics/perception.h)
+SEEN = 3.0  # [mm] between the tips of model and robot that an eye notices (ibid.)
 MAX_FILE = 2 * 1024 * 1024  # bytes, of a configuration's copy or of score.json
 ARM_LINKS = ("link1", "link2", "link3", "instrument_shaft", "wrist", "grasper1", "grasper2")  # core/exercise.h
 PHASES = {  # mode: words, family

@@ -3,6 +3,7 @@
 import numpy as np
 
 from raven2_report import drawing, metric_words
+from raven2_report.facts import FELT, SEEN
 from raven2_report.text import esc, is_number, number, table, words
 
 MOST = 6  # drawn; the table has all
@@ -39,8 +40,8 @@ def _unexplained(facts):
 
 
 def verdict_words(judged):
-    verdict = judged.get("verdict")
-    return metric_words.VERDICTS.get(verdict, "not judged")
+    why = metric_words.why_unjudged(judged)
+    return f"not judged: {why}" if why else metric_words.VERDICTS.get(judged.get("verdict"), "not judged")
 
 
 def _table(facts):
@@ -78,20 +79,25 @@ def _answer(facts, hazard):
         return "The answer to it was not judged."
     cue = judged.get("cue_after_ms")
     if judged.get("verdict") == "not_judged" and not is_number(cue):
-        return ("The hand felt no force of it, and the robot did not part visibly from the model: there was nothing to answer, "
-                "and nothing is judged.")
+        return (f"No force of {FELT:g} N and no gap of {SEEN:g} mm lasted 100 ms: there was nothing to answer, and nothing is "
+                "judged.")
     by = {"ghost": "The robot was seen to part from the model"}.get(judged.get("cue"), "The hand felt it")
     felt = f"{by} after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
+    verdict = verdict_words(judged)
     acted = " and ".join(f"{metric_words.response(response)} {1000 * after:,.0f} ms after it began"
-                         for after, response, _ in facts.answers(hazard)) or "did nothing that counts as an answer"
+                         for after, response, _ in facts.answers(hazard))
+    if metric_words.why_unjudged(judged):
+        answer = (f"; the surgeon {acted}" if acted else "") + f". {verdict[0].upper()}{verdict[1:]}."
+    else:
+        answer = f"; the surgeon {acted or 'did nothing that counts as an answer'}: {verdict}."
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
     early = judged.get("coincidences") or []
-    chance = " A response within 100 ms of it was no reaction and is left out." if early else ""
+    chance = " A response before 100 ms after the cue is no reaction and is left out." if early else ""
     took = judged.get("answer_time_ms")
     free = f" The attempt is not charged with these {took / 1000:.1f} s." if is_number(took) and took else ""
-    return esc(f"{felt}; the surgeon {acted}: {verdict_words(judged)}.{free}{met}{chance}")
+    return esc(f"{felt}{answer}{free}{met}{chance}")
 
 
 # ---- picture ----------------------------------------------------------------------------------------------------

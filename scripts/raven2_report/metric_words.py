@@ -89,8 +89,8 @@ RESPONSES = {"pedal_up": "released the pedal", "hold_still": "held still", "slow
 ANSWERS = {"pedal_up": "release the pedal", "hold_still": "hold still", "slow": "slow down", "retreat": "draw back",
            "stop": "press the emergency stop", "push_on": "push on"}
 VERDICTS = {"right": "answered rightly", "late": "answered rightly, but late", "wrong": "answered wrongly",
-            "none": "not answered", "not_judged": "not judged: there was nothing to feel or to see in time",
-            "coincidence": "not judged: the hands had let go before anybody could react"}  # of older scores
+            "none": "not answered"}
+NOTHING_CAME = "there was nothing to feel or to see in time"
 MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dropped", "break_off": "Broken off",
             "out_of_order": "Out of order", "wrong_arm": "Wrong arm"}
 
@@ -98,6 +98,25 @@ MISTAKES = {"wire_touch": "Wire touched", "collision": "Collision", "drop": "Dro
 def response(name):
     """`released the pedal`."""
     return RESPONSES.get(name, str(name).replace("_", " "))
+
+
+def is_felt(hazard):
+    """Whether a force was the cue of a hazard of score.json. Older scores have no `cue`: they judged by the force alone."""
+    return is_number(hazard.get("cue_after_ms")) and hazard.get("cue", "force") == "force"
+
+
+def why_unjudged(hazard):
+    """Why a hazard of score.json is not judged; empty: it is judged (doc/scores.md)."""
+    if hazard.get("verdict") == "coincidence":  # of older scores
+        return "the hands had let go before anybody could react"
+    if hazard.get("verdict") != "not_judged":
+        return ""
+    if not is_number(hazard.get("cue_after_ms")):
+        return NOTHING_CAME
+    early = hazard.get("coincidences")
+    if any(isinstance(r, dict) and r.get("response") == "stop" for r in (early if isinstance(early, list) else [])):
+        return "an emergency stop came before anybody could react"
+    return "the recording ends before an answer could be seen"
 
 
 def words_of(name):

@@ -36,13 +36,24 @@ def _attempt_line(facts):
 
 def _improvements(facts):
     entries = verdict.improvements(facts)
-    if not entries and verdict.state(facts) != "passed":
-        return ""
     if not entries:
-        return "<section><h2>What to improve</h2><p>Nothing: every figure is well within its band.</p></section>"
+        nothing = _no_advice(facts)
+        return f"<section><h2>What to improve</h2><p>{nothing}</p></section>" if nothing else ""
     title = {1: "The thing", 2: "The two things"}.get(len(entries), "The three things")
     items = "".join(f"<li><b>{esc(e['what'])}</b><span>{esc(e['how'])}</span></li>" for e in entries)
     return f'<section><h2>{title} to improve</h2><ol class="improve">{items}</ol></section>'
+
+
+def _no_advice(facts):
+    """What is said where score.json has no advice; empty for an attempt that did not end."""
+    attempt = facts.attempt or {}
+    if attempt.get("passed") is False or attempt.get("status") == "failed":
+        return "No figure is to be worked on: what failed is named above."
+    if attempt.get("status") != "done":
+        return ""
+    if not judged(facts):
+        return "Unknown: no figure was judged."
+    return "Nothing: every figure is well within its band."
 
 
 # ---- bands ------------------------------------------------------------------------------------------------------

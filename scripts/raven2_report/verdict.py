@@ -1,7 +1,7 @@
 """Passed or not, said in one line, and what to work on."""
 
 from raven2_report import metric_words
-from raven2_report.text import counted, listed, number, words
+from raven2_report.text import counted, is_number, listed, number, words
 
 UNJUDGED = ("not_judged", "coincidence")
 
@@ -66,7 +66,11 @@ def reasons(facts):
 
 def _drill_words(facts):
     """Why nothing could be judged of a drill's hazard."""
-    came = (facts.attempt or {}).get("hazards")
+    came = [h for h in (facts.attempt or {}).get("hazards", []) if isinstance(h, dict)]
+    why = [metric_words.why_unjudged(h) for h in came]
+    noticed = [reason for reason in why if reason and reason != metric_words.NOTHING_CAME]
+    if noticed:
+        return f"in the drill {noticed[0]}"
     return "the hazard of the drill " + ("gave nothing to feel or to see in time" if came else "did not come")
 
 
@@ -131,11 +135,9 @@ def story(facts):
         parts.append(f"in which the hazard {names} was injected into the robot {_times(len(faults))}")
     text = " ".join(parts)
     errors = [f["max_error_mm"] for f in faults if "max_error_mm" in f]
-    forces = [f["max_force_N"] for f in faults if f.get("max_force_N")]
     if errors:
-        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm, "
-                 "and "
-                 f"{_warning(forces, len(faults))}")
+        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm"
+                 f"{_warning(facts)}")
     text += "."
     if facts.emergency_stop() is not None:
         text += f" The robot's emergency stop acted after {facts.emergency_stop():.1f} s."
@@ -146,9 +148,26 @@ def _times(count):
     return {1: "once", 2: "twice"}.get(count, f"{count} times")
 
 
-def _warning(forces, faults):
-    if not forces:
-        return "no force warned the surgeon"
-    some = f"in {len(forces)} of {faults} cases "
-    cases = ("" if len(forces) == 1 else "each time ") if len(forces) == faults else some
-    return f"{cases}the surgeon was warned through the hand controller, with up to {max(forces):.1f} N"
+def _largest_force(hazards):
+    """`2.2 N`; empty if no force is known."""
+    forces = [h["fault"].get("max_force_N", h["judged"].get("peak_force_N")) for h in hazards]
+    known = [force for force in forces if is_number(force)]
+    return f"{max(known):.1f} N" if known else ""
+
+
+def _warning(facts):
+    """Only the score knows whether a force lasted long enough to be a cue: without one the largest force alone."""
+    judged = [h for h in facts.hazards if h["judged"]]
+    if not judged:
+        most = _largest_force(facts.hazards)
+        return f", and the largest force on the hand was {most}" if most else ""
+    felt = [h for h in judged if metric_words.is_felt(h["judged"])]
+    if not felt:
+        seen = any(h["judged"].get("cue") == "ghost" for h in judged)
+        return ", and " + ("the picture warned the surgeon before any force" if seen else "no force warned the surgeon")
+    if len(felt) == len(facts.hazards):
+        cases = "" if len(felt) == 1 else "each time "
+    else:
+        cases = f"in {len(felt)} of {len(judged)} {'judged ' if len(judged) < len(facts.hazards) else ''}cases "
+    most = _largest_force(felt)
+    return f", and {cases}the surgeon was warned through the hand controller" + (f", with up to {most}" if most else "")

@@ -65,7 +65,7 @@ def metrics():
 def hazard(verdict="right", response="pedal_up", after=400):
     answer = {"response": response, "after_ms": after} if response else None
     return {"scenario": "sudden_jump", "injection_tick": 1000, "force_after_ms": 10, "cue_after_ms": 12,
-            "reaction": answer,
+            "cue": "force", "reaction": answer,
             "deciding": answer, "verdict": verdict, "coincidences": [], "recovered": True, "duration_ms": 800,
             "excursion_mm": 10.25, "error_mm": 10.0, "peak_force_N": 2.0, "impulse_Ns": 0.6,
             "touches": {"wire": {"count": 1, "time_s": 0.1}}}

@@ -93,7 +93,7 @@ def test_the_reaction_time_is_the_truth(both):
     assert abs(hazard["reaction"]["after_ms"] - hazard["cue_after_ms"] - 400) <= AGREEMENT
 
 
-def test_the_drill_stands_in_score_log_and_ground_truth(both):
+def test_the_drill_is_in_score_log_and_ground_truth(both):
     for trainee in both:
         score, injection_tick = trainee.score, trainee.hazard["injection_tick"]
         assert score["drill"] == trainee.log.training["drill"] == "sudden_jump", "`own` is replaced by the scenario"

@@ -61,6 +61,20 @@ def test_a_master_takes_the_place_of_the_motion():
     assert "--master" not in options()["master_console"]
 
 
+@pytest.mark.parametrize("more, label", [((), "own_console"), (("impair:=net_delay_2",), "own_console-over-net_delay_2"),
+                                         (("master:=omni_pair",), "master:omni_pair")])
+def test_your_own_console_is_recorded_as_such(more, label):
+    seen = nodes(LAUNCH, "console:=false", *more)
+    assert "master_console" not in seen and seen["simulator"]["--motion-label"] == label
+    assert options()["simulator"]["--motion-label"] == "scripted"
+
+
+def test_the_simulated_surgeon_at_a_real_robot_is_recorded_as_such():
+    seen = nodes(HARDWARE, "robot_host:=192.168.7.2", "console:=true")
+    assert seen["simulator"]["--motion-label"] == seen["master_console"]["--motion"] == "scripted"
+    assert "--motion-label" not in nodes(HARDWARE, "robot_host:=192.168.7.2")["simulator"]
+
+
 def test_console_and_daemon_have_the_same_scale():
     seen = options("master:=mtm", "scale:=0.2")
     assert float(seen["master_console"]["--scale"]) == float(seen["simulator"]["--scale"]) == 0.2
@@ -103,7 +117,7 @@ def test_scripted_hands_at_a_real_robot_are_slow():
         assert "--master-port 4711" in " ".join(node.args.split())
 
 
-def test_the_daemon_is_told_the_scale_of_the_surgeons_master():
+def test_the_daemon_receives_the_scale_of_the_surgeons_master():
     nodes, _ = hardware("robot_host:=192.168.7.2", "scale:=0.03")
     words = nodes["simulator"].args.split()
     assert float(words[words.index("--scale") + 1]) == 0.03
@@ -168,7 +182,7 @@ def test_scripted_hands_react_if_asked_to():
     assert "--reaction" not in options("master:=omni_pair", "reaction:=400")["master_console"]
 
 
-def test_a_bad_link_stands_between_console_and_daemon():
+def test_a_bad_link_is_between_console_and_daemon():
     seen = options("impair:=net_delay_2", "motion:=expert", "master_port:=4000", more=["impair"])
     assert (seen["simulator"]["--master-port"], seen["simulator"]["--force-port"]) == ("4000", "36001")
     console = seen["master_console"]

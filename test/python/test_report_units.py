@@ -44,8 +44,8 @@ def units():
     text = (made.ROOT / "doc/scores.md").read_text(encoding="utf-8")
     found = {}
     for names, unit in re.findall(r"^\| ((?:`\w+`(?:, )?)+) \| ([^|]+) \| (?:lower|higher) \|", text, re.M):
-        named, told = re.findall(r"`(\w+)`", names), unit.split(", ")
-        found.update(zip(named, told * len(named) if len(told) == 1 else told))
+        named, given = re.findall(r"`(\w+)`", names), unit.split(", ")
+        found.update(zip(named, given * len(named) if len(given) == 1 else given))
     return found
 
 
@@ -73,8 +73,8 @@ def test_a_metric_is_shown_in_its_unit(name):
     assert (shown, most, passed) == (text(value), text(limit), "✓ passed")
     spread = f"{deviation:.1f}" if unit == "count" and not float(deviation).is_integer() else text(deviation)
     assert expert == f"{text(mean)} ± {spread}"
-    (told,) = record.build(record_facts(facts), [])["metrics"]
-    assert [told[key] for key in ("value", "mean", "deviation", "limit", "unit")] == [value, mean, deviation, limit,
+    (found,) = record.build(record_facts(facts), [])["metrics"]
+    assert [found[key] for key in ("value", "mean", "deviation", "limit", "unit")] == [value, mean, deviation, limit,
                                                                                      unit]
     assert verdict.improvements(SimpleNamespace(**{**vars(facts), "attempt": {**facts.attempt, "improve": [name]}}))
 
@@ -158,10 +158,60 @@ def test_a_hazard_s_row_is_in_the_units_of_its_figures(fault, error, force):
     table = cells(hazard_page._table(facts))
     assert table[1] == ["1", "sudden jump", "1.500 s", error, "12.25 mm", force, "322 ms",
                         "slowed down after 450 ms, released the pedal after 1,250 ms", "answered rightly"]
-    told = record._hazard(facts, hazard)
-    assert [told[key] for key in ("at_s", "end_s", "largest_error_mm", "excursion_mm", "largest_force_N", "cue_after_s",
+    found = record._hazard(facts, hazard)
+    assert [found[key] for key in ("at_s", "end_s", "largest_error_mm", "excursion_mm", "largest_force_N", "cue_after_s",
                                   "reaction_after_s")] == [1.5, 1.9, fault.get("max_error_mm", 9.5), 12.25,
                                                            fault.get("max_force_N", 2.75), 0.322, 0.45]
+
+
+def answer_of(**changes):
+    """The page's words for JUDGED with these changes."""
+    facts, hazard = hazard_facts()
+    hazard["judged"] = {**JUDGED, **changes}
+    return html.unescape(hazard_page._answer(facts, hazard))
+
+
+def test_what_could_not_be_noticed_is_said_with_its_thresholds():
+    thresholds = (made.ROOT / "include/raven2_trainer/haptics/perception.h").read_text(encoding="utf-8")
+    assert re.search(r"kFeltForce = 0\.5;", thresholds) and re.search(r"kSeenGap = 0\.003;", thresholds)
+    assert answer_of(verdict="not_judged", cue=None, cue_after_ms=None) == (
+        "No force of 0.5 N and no gap of 3 mm lasted 100 ms: there was nothing to answer, and nothing is judged.")
+
+
+def test_a_response_long_after_the_injection_may_still_be_too_early_for_the_cue():
+    text = answer_of(coincidences=[{"response": "retreat", "after_ms": 400}])
+    assert text.endswith("A response before 100 ms after the cue is no reaction and is left out.")
+    assert "left out" not in answer_of()
+
+
+STOP, RELEASE = ({"response": response, "after_ms": 350} for response in ("stop", "pedal_up"))
+WHY = {"nothing": "there was nothing to feel or to see in time", "stop": "an emergency stop came before anybody could react",
+       "end": "the recording ends before an answer could be seen"}
+
+
+@pytest.mark.parametrize("cue, early, why", [
+    (322, [STOP], "stop"), (322, [RELEASE, STOP], "stop"), (322, [RELEASE], "end"), (322, [], "end"), (322, None, "end"),
+    (322, [None, "stop", 3], "end"), (None, [STOP], "nothing"), (None, [], "nothing")])
+def test_a_hazard_that_is_not_judged_says_why(cue, early, why):
+    changes = {"verdict": "not_judged", "cue_after_ms": cue, "coincidences": early, "reaction": None, "deciding": None}
+    judged = {**JUDGED, **changes}
+    assert hazard_page.verdict_words(judged) == f"not judged: {WHY[why]}"
+    if cue:
+        assert answer_of(**changes).startswith(f"The hand felt it after 322 ms. Not judged: {WHY[why]}.")
+    drill = SimpleNamespace(attempt={"hazards": [{**judged, "cue_after_ms": None}, judged]})
+    assert verdict._drill_words(drill) == (
+        f"in the drill {WHY[why]}" if cue else "the hazard of the drill gave nothing to feel or to see in time")
+
+
+def test_a_response_to_a_hazard_that_is_not_judged_is_still_said():
+    text = answer_of(verdict="not_judged", deciding=None)
+    assert text == f"The hand felt it after 322 ms; the surgeon slowed down 450 ms after it began. Not judged: {WHY['end']}."
+
+
+def test_the_hands_of_older_scores_had_let_go():
+    old = {"verdict": "coincidence", "cue_after_ms": 12}
+    assert hazard_page.verdict_words(old) == "not judged: the hands had let go before anybody could react"
+    assert hazard_page.verdict_words({}) == hazard_page.verdict_words({"verdict": "new"}) == "not judged"
 
 
 @pytest.mark.parametrize("took, said", [(2960, "not charged with these 3.0 s."), (0, None), (None, None)])
@@ -217,6 +267,26 @@ def test_a_hazard_is_shaded_from_its_beginning_to_its_end():
     assert (float(x), float(x) + float(width)) == pytest.approx((panel.to_x(0.0), panel.to_x(0.4)), abs=0.11)
 
 
+def advice(**changes):
+    """The page's part about improvements for an attempt without any in score.json."""
+    facts = scored_facts({"time": made.metric(2.0, 2.0, 0.1, 2.5)})
+    facts.attempt.update({"improve": [], "passed": None, **changes})
+    return re.sub(r"<[^>]+>", " ", scorecard._improvements(facts)).split("What to improve")[-1].strip()
+
+
+@pytest.mark.parametrize("changes, said", [
+    ({"passed": True}, "Nothing: every figure is well within its band."),
+    ({}, "Nothing: every figure is well within its band."),
+    ({"metrics": {"time": made.metric(2.0)}}, "Unknown: no figure was judged."),
+    ({"passed": False, "status": "failed"}, "No figure is to be worked on: what failed is named above."),
+    ({"status": "failed", "metrics": {}}, "No figure is to be worked on: what failed is named above."),
+    ({"passed": False, "status": "running"}, "No figure is to be worked on: what failed is named above."),
+    ({"status": "running"}, ""), ({"status": "waiting", "metrics": {}}, "")],
+    ids=["passed", "not judged", "no band", "failed", "failed without a band", "unfinished", "running", "waiting"])
+def test_a_page_without_advice_says_why(changes, said):
+    assert advice(**changes) == said
+
+
 # ---- metrics.json -----------------------------------------------------------------------------------------------
 
 METRICS = {
@@ -240,7 +310,7 @@ FAULTS = [{"name": "sudden_jump", "first_tick": 1234, "last_tick": 1533, "first_
 def engineering(**more):
     header = {"hazard": "sudden_jump"}
     facts = SimpleNamespace(session=None, series=SimpleNamespace(t=np.zeros(12500)), metrics=METRICS, meta={}, log=None,
-                            header=header, duration=12.5, faults=FAULTS, score_broken=False)
+                            header=header, duration=12.5, faults=FAULTS, deviations=[], score_broken=False)
     return details.Details(SimpleNamespace(**{**vars(facts), **more}))
 
 
@@ -254,18 +324,18 @@ def test_the_cards_are_in_the_units_of_metrics_json():
         assert text in notes, text
 
 
-def test_what_full_queues_lost_is_told_and_records_apart_from_it():
+def test_what_full_queues_lost_is_reported_and_records_apart_from_it():
     log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0, lost=0)
     queues = {"relay_packets": {"dropped": 1234}, "force_packets": {"dropped": 0}, "tick_records": {"dropped": 5}}
-    told = engineering(log=log, metrics={"queues": queues, "records_dropped": 6}).notices()
-    assert re.findall(r"<p[^>]*>(.*?)</p>", told) == [
+    found = engineering(log=log, metrics={"queues": queues, "records_dropped": 6}).notices()
+    assert re.findall(r"<p[^>]*>(.*?)</p>", found) == [
         "6 records are missing from the log.", "Queues were full: 1,234 relay packets were lost."]
 
 
-def test_what_a_crashed_sessions_gap_records_miss_is_told():
+def test_what_a_crashed_sessions_gap_records_miss_is_reported():
     log = SimpleNamespace(clean=True, bad_bytes=0, truncated_bytes=0, lost=40)
-    told = engineering(log=log, metrics={"records_dropped": 0}).notices()
-    assert re.findall(r"<p[^>]*>(.*?)</p>", told) == ["40 records are missing from the log."]
+    found = engineering(log=log, metrics={"records_dropped": 0}).notices()
+    assert re.findall(r"<p[^>]*>(.*?)</p>", found) == ["40 records are missing from the log."]
 
 
 def test_the_faults_are_in_the_units_of_metrics_json():
@@ -297,12 +367,45 @@ def test_what_a_robot_does_not_report_is_said_so():
     assert row[1:9] == ["209", "7", "–", "–", "–", "not reported by this robot", "–", ""]
 
 
-def test_the_story_tells_millimetres_newtons_and_seconds():
-    facts = SimpleNamespace(duration=12.5, faults=FAULTS, deviations=[], emergency_stop=lambda: 4.25)
-    assert verdict.story(facts) == (
+def story_facts(judged, forces=(2.25, 2.25)):
+    """FAULTS with these largest forces, and their hazards in score.json."""
+    faults = [{**fault, "max_force_N": force} for fault, force in zip(FAULTS, forces)]
+    hazards = [{"fault": fault, "judged": entry} for fault, entry in zip(faults, judged)]
+    return SimpleNamespace(duration=12.5, faults=faults, hazards=hazards, deviations=[], emergency_stop=lambda: 4.25)
+
+
+def test_the_story_has_millimetres_newtons_and_seconds():
+    assert verdict.story(story_facts([{"cue": "force", "cue_after_ms": 12}] * 2)) == (
         "A session of 12 s in which the hazard “sudden jump” was injected into the robot twice: the instrument's tip "
         "left the path that the surgeon's hand gave it by up to 10.1 mm, and each time the surgeon was warned through "
         "the hand controller, with up to 2.2 N. The robot's emergency stop acted after 4.2 s.")
+
+
+FELT = {"cue": "force", "cue_after_ms": 12}
+SEEN = {"cue": "ghost", "cue_after_ms": 130}
+UNNOTICED = {"cue": None, "cue_after_ms": None}
+WARNED = "the surgeon was warned through the hand controller, with up to"
+
+
+@pytest.mark.parametrize("judged, said", [
+    ([FELT, FELT], f"and each time {WARNED} 4.5 N"), ([FELT, UNNOTICED], f"and in 1 of 2 cases {WARNED} 1.2 N"),
+    ([SEEN, FELT], f"and in 1 of 2 cases {WARNED} 4.5 N"), ([UNNOTICED, UNNOTICED], "and no force warned the surgeon"),
+    ([SEEN, UNNOTICED], "and the picture warned the surgeon before any force"),
+    ([{"cue_after_ms": 12}, SEEN], f"and in 1 of 2 cases {WARNED} 1.2 N"),
+    ([FELT, {}], f"and in 1 of 1 judged cases {WARNED} 1.2 N"), ([{}, {}], "and the largest force on the hand was 4.5 N")],
+    ids=["both", "one", "seen and felt", "none", "seen", "older score", "one judged", "no score"])
+def test_only_a_force_that_was_a_cue_has_warned_the_surgeon(judged, said):
+    """Each fault has a force on the hand. Only score.json knows whether it lasted long enough to be noticed."""
+    assert verdict.story(story_facts(judged, (1.25, 4.5))).split(" mm, ")[1].split(". The robot's")[0] == said
+
+
+@pytest.mark.parametrize("judged, said", [([FELT], f"and {WARNED} 0.8 N"), ([UNNOTICED], "and no force warned the surgeon")])
+def test_the_story_of_one_hazard_says_what_its_page_says(judged, said):
+    facts = story_facts(judged, (0.75,))
+    assert said in verdict.story(facts)
+    facts.hazards[0]["judged"] = {**JUDGED, **judged[0], "verdict": "not_judged"}
+    facts.answers = lambda hazard: []
+    assert ("The hand felt it" in hazard_page._answer(facts, facts.hazards[0])) == (judged == [FELT])
 
 
 def parted_facts(hazards, force=1.26, error=8.37, arm=1):
@@ -329,6 +432,13 @@ def test_a_hazard_explains_what_comes_until_half_a_second_behind_its_aftermath()
     assert [d["at_s"] for d in parted_facts([hazard])] == [7.0]
     assert [d["at_s"] for d in parted_facts([{**hazard, "end_s": None, "at_s": 1.4}])] == [2.0, 7.0]
     assert parted_facts([{**hazard, "fault": {"end_tick": 6600}}]) == []
+
+
+@pytest.mark.parametrize("count, said", [(0, "No fault acted on the robot."),
+                                         (1, "No fault is known. One deviation of unknown cause is listed above."),
+                                         (2, "No fault is known. Two deviations of unknown cause are listed above.")])
+def test_faults_are_not_denied_where_a_deviation_has_no_known_cause(count, said):
+    assert engineering(faults=[], deviations=parted_facts([])[:count]).fault_table() == f"<p>{said}</p>"
 
 
 def test_deviations_of_unknown_cause_stand_on_the_page():
@@ -403,9 +513,9 @@ def test_an_emergency_stop_is_the_first_fall_from_a_higher_run_level(levels, sto
 
 
 def test_a_step_begins_where_the_one_before_it_ended_in_each_attempt():
-    told = [("started", 0.0), ("began", 1.0), ("step_done", 2.5), ("failed", 4.0), ("started", 4.5), ("began", 6.0),
+    marks = [("started", 0.0), ("began", 1.0), ("step_done", 2.5), ("failed", 4.0), ("started", 4.5), ("began", 6.0),
             ("step_done", 7.0), ("step_done", 7.25), ("done", 7.25), ("began", 9.0), ("step_done", 9.5)]
-    events = [{"kind": kind, "at_s": at, "step": f"to {at}"} for kind, at in told]
+    events = [{"kind": kind, "at_s": at, "step": f"to {at}"} for kind, at in marks]
     found = Facts._steps(SimpleNamespace(events=events, duration=12.0))
     assert [(step["name"], step["from_s"], step["to_s"]) for step in found] == [
         ("to 2.5", 1.0, 2.5), ("not finished", 2.5, 4.0), ("to 7.0", 6.0, 7.0), ("to 7.25", 7.0, 7.25),
@@ -451,10 +561,10 @@ def test_the_arm_of_a_mistake_is_that_of_its_link_or_the_faster_one(arm):
     p_model[:, arm, 1] = np.arange(200) * 1e-4
     facts = SimpleNamespace(series=SimpleNamespace(t=np.arange(200) / 1000, p_model=p_model))
     facts.index = lambda seconds: Facts.index(facts, seconds)
-    told = lambda a, b: Facts.arm_of(facts, {"a": a, "b": b, "at_s": 0.1})  # noqa: E731
-    assert told("link1_L", "tower") == told("ring", "grasper2_L") == 0
-    assert told("link1_R", "tower") == told("ring", "grasper2_R") == 1
-    assert told("ring", "tower") == arm
+    arm_of = lambda a, b: Facts.arm_of(facts, {"a": a, "b": b, "at_s": 0.1})  # noqa: E731
+    assert arm_of("link1_L", "tower") == arm_of("ring", "grasper2_L") == 0
+    assert arm_of("link1_R", "tower") == arm_of("ring", "grasper2_R") == 1
+    assert arm_of("ring", "tower") == arm
 
 
 @pytest.mark.parametrize("arm", [0, 1])
@@ -505,7 +615,7 @@ def test_the_tips_are_compared_while_both_arms_follow_from_a_common_pose(arm):
 
 
 @pytest.mark.parametrize("arm", [0, 1])
-def test_the_force_is_of_its_arm_and_stands_with_the_session_s_clock(arm):
+def test_the_force_is_of_its_arm_and_stops_with_the_session_s_clock(arm):
     series = raven2_figures.Series(SimpleNamespace(log=short_log(arm)[0]))
     assert series.force_t.tolist() == [0.004, 0.009, 0.014] and series.force[:, arm].tolist() == [5.0, 2.0, 3.0]
     assert not series.force[:, 1 - arm].any()

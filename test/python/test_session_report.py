@@ -134,10 +134,10 @@ def test_what_to_do_about_a_hazard_is_said(tmp_path):
 def test_figures_are_those_of_the_score(whole):
     _, page, record, _ = whole
     for name, metric in made.metrics().items():
-        told = next(m for m in record["metrics"] if m["name"] == name)
-        assert {key: told[key] for key in ("value", "mean", "limit", "passed", "unit")} == {
+        entry = next(m for m in record["metrics"] if m["name"] == name)
+        assert {key: entry[key] for key in ("value", "mean", "limit", "passed", "unit")} == {
             key: metric[key] for key in ("value", "mean", "limit", "passed", "unit")}
-        assert told["title"] and told["definition"]
+        assert entry["title"] and entry["definition"]
     shown = plain(page[page.index('id="numbers"'):])
     for text in ("812.3 mm 900.0 mm ± 20.0 mm 1,125.0 mm ✓ passed", "2 0 ± 0 0 ✕ not passed",
                  "22 µm – – not judged", "-9.50 -9.00 ± 0.20 -11.25 ✓ passed", "not measured"):
@@ -180,13 +180,13 @@ def test_the_record_is_as_its_schema_says(whole):
     text = (made.ROOT / "doc/report.md").read_text(encoding="utf-8")
     schema = dict(re.findall(r"^\| `(\w+)(?:\[\])?` \| (.*) \|$", text, re.M))
     assert list(schema) == list(record)
-    for name, told in record.items():
-        one = told[0] if isinstance(told, list) and told else told
+    for name, entry in record.items():
+        one = entry[0] if isinstance(entry, list) and entry else entry
         if isinstance(one, dict) and name != "band":
             assert set(re.findall(r"`(\w+)(?:\[\])?`", schema[name])) - {"hazard_response"} == set(one), name
 
 
-def test_of_several_attempts_the_last_that_ended_is_told(tmp_path):
+def test_of_several_attempts_the_last_that_ended_is_reported(tmp_path):
     scored = made.score()
     first = scored["attempts"][0]
     second = {**made.score(passed=True, improve=[], values={"time": made.metric(1.2, 2.0, 0.1, 2.5)})["attempts"][0],
@@ -225,7 +225,7 @@ def test_the_timeline_has_modes_steps_mistakes_and_hazards(whole):
     assert record["phases"] == [{"mode": "teleoperating", "name": "Operating", "from_s": 0.0, "to_s": 2.0}]
 
 
-def test_a_session_that_only_stands_at_its_end_is_not_drawn_to_its_end(tmp_path):
+def test_a_session_that_only_waits_at_its_end_is_not_drawn_to_its_end(tmp_path):
     folder = made.make(tmp_path / "s", made.score())
     standing = b"".join(made.log.record(1, made.log.tick_payload(t + 10, t, mode=5)) for t in range(2000, 9000))
     (folder / "session.rlog").write_bytes(made.data()[:-len(made.COUNTS)] + standing + made.COUNTS)
@@ -239,8 +239,8 @@ def test_a_session_that_only_stands_at_its_end_is_not_drawn_to_its_end(tmp_path)
 
 def test_a_hazard_has_its_figures_and_its_answer(whole):
     _, page, record, _ = whole
-    (told,) = record["hazards"]
-    assert told == {"scenario": "sudden_jump", "at_s": 1.0, "end_s": 1.3, "largest_error_mm": 10.0,
+    (entry,) = record["hazards"]
+    assert entry == {"scenario": "sudden_jump", "at_s": 1.0, "end_s": 1.3, "largest_error_mm": 10.0,
                     "excursion_mm": 10.25,
                     "largest_force_N": 2.0, "cue_after_s": 0.012, "reaction": "pedal_up", "reaction_after_s": 0.4,
                     "verdict": "right"}
@@ -350,6 +350,73 @@ def test_attempts_that_failed_look_failed_whatever_their_figures(tmp_path):
     assert shapes == {"day2": "cross", "day3": "circle"}
 
 
+def days(tmp_path, *metrics, **last):
+    """Sessions in order of time, each with the metrics of its only attempt. `last`: of the newest score."""
+    scores = [made.score(values=values, hazards=[], **(last if values is metrics[-1] else {})) for values in metrics]
+    return [made.make(tmp_path / f"day{i}", score, f"2026-01-0{i + 1}T10:00:00Z") for i, score in enumerate(scores)]
+
+
+def unmeasured(metric):
+    return {**metric, "value": None, "limit": None, "excess": None, "passed": None}
+
+
+def test_a_curve_stays_where_the_newest_attempt_has_no_value(tmp_path):
+    """A metric without a value has no limit in score.json either: the limit is that of the newest session that has one."""
+    sparc = [made.metric(-8.0 - i, -9.0, 0.2, -11.0 - i, "-", "higher", "control") for i in range(2)]
+    drops = {**made.metric(1, unit="count"), "scored": True}
+    folders = days(tmp_path, *({"time": made.metric(1.0, 2.0, 0.1, 2.5), "sparc": metric, "drops": drops}
+                               for metric in (*sparc, unmeasured(sparc[0]))))
+    names, shown = curve_of(report(*folders)[0])
+    assert names == ["time", "sparc", "drops"]
+    (figure,) = (part for part in shown.split("</figure>") if "sparc over the attempts" in part)
+    values = re.findall(r"<title>(day\d: [^<]*)</title>", figure)
+    assert values == ["day0: -8.00", "day1: -9.00", "day2: not passed, not measured"]
+    assert figure.count("#d9dee4") == 1, "the area that passes"
+
+
+def test_the_limit_of_a_curve_is_that_of_the_newest_session_that_has_one():
+    old, new = made.metric(3.0, 2.0, 0.1, 2.5), made.metric(3.0, 2.0, 0.1, 4.0)
+    attempts = [{"metrics": {"time": metric, "odd": 1}} for metric in (unmeasured(old), new, old)]
+    assert curves._metrics(attempts)["time"] == {**unmeasured(old), "limit": 4.0}
+    assert set(curves._metrics(attempts)) == {"time"}
+
+
+def test_an_attempt_that_failed_before_it_was_measured_leaves_all_curves(tmp_path):
+    measured = {"time": made.metric(1.0, 2.0, 0.1, 2.5), "wire_touches": made.metric(2, 0.0, 0.0, 0.5, "count")}
+    folders = days(tmp_path, measured, {name: unmeasured(metric) for name, metric in measured.items()}, status="failed")
+    names, shown = curve_of(report(*folders)[0])
+    assert names == ["time", "wire touches"] and shown.count("#d9dee4") == 3, "two limits and the legend"
+
+
+def test_the_newest_session_without_an_attempt_has_the_curves_of_the_others(tmp_path):
+    folders = days(tmp_path, *[made.metrics() for _ in range(3)], attempts=[])
+    names, shown = curve_of(report(*folders)[0])
+    assert names == ["time", "wire touches", "drops", "sparc", "path"], "those out of the band first, then the nearest to it"
+    assert "2 attempts of 2 sessions" in shown
+
+
+def test_sessions_of_the_same_name_are_distinguished(tmp_path):
+    parents = [tmp_path / name for name in ("mon", "tue", "wed")]
+    folders = [made.make(parent / "session", made.score(), f"2026-01-0{i + 1}T10:00:00Z") for i, parent in enumerate(parents)]
+    link = tmp_path / "again"
+    link.symlink_to(folders[0])
+    page, record, _ = report(link, *folders)
+    assert [p["session"] for p in record["curve"]] == ["mon/session", "tue/session", "wed/session"]
+    assert "3 attempts of 3 sessions" in page and "tue/session: " in page
+    (folders[0] / "score.json").unlink()
+    (folders[1] / "score.json").write_text(json.dumps(made.score(exercise="peg_transfer")))
+    page, record, _ = report(*folders)
+    assert record["left_out"] == ["mon/session", "tue/session"]
+    assert "Left out: mon/session (no score); tue/session (another exercise, peg transfer)." in page
+
+
+@pytest.mark.parametrize("places, names", [
+    (["/a/s", "/b/s", "/b/t"], ["a/s", "b/s", "t"]), (["/s", "/b/s"], ["s", "b/s"]), ([], []),
+    (["/x/a/s", "/y/a/s", "/y/b/s"], ["x/a/s", "y/a/s", "b/s"]), (["/"], [""])])
+def test_a_session_is_named_as_shortly_as_it_can_be(places, names):
+    assert list(map(curves.short_names(places).get, places)) == names
+
+
 def test_the_trainee_s_index_makes_the_curve_without_asking(tmp_path):
     *_, third = series_of_sessions(tmp_path)
     entry = {"start_time_utc": "2025-12-31T10:00:00Z", "exercise": "pick_hand_over_place", "drill": "sudden_jump",
@@ -362,7 +429,7 @@ def test_the_trainee_s_index_makes_the_curve_without_asking(tmp_path):
     assert [(p["session"], p["metrics"]["time"]) for p in record["curve"]] == [("old", 4.5), ("day2", 2.0)]
 
 
-def test_the_newest_session_is_told_whatever_the_order(tmp_path):
+def test_the_newest_session_is_reported_whatever_the_order(tmp_path):
     folders = [str(f) for f in series_of_sessions(tmp_path)]
     for given in (folders, folders[::-1]):
         newest, others = curves.newest_first(given)
@@ -445,7 +512,28 @@ def test_a_hazard_that_nobody_could_notice_is_no_failure(tmp_path):
     assert headline(page) == "Not judged: all else passed, but the hazard of the drill did not come"
 
 
-def test_a_hazard_that_was_seen_and_not_felt_is_told_so(tmp_path):
+@pytest.mark.parametrize("early, why", [("stop", "an emergency stop came before anybody could react"),
+                                        ("retreat", "the recording ends before an answer could be seen")])
+def test_the_headline_says_why_a_noticed_hazard_is_not_judged(tmp_path, early, why):
+    hazard = {**made.hazard("not_judged", None), "coincidences": [{"response": early, "after_ms": 90}]}
+    scored = made.score(None, improve=[], hazards=[hazard], values={"time": made.metric(1.8, 2.0, 0.1, 2.5)})
+    page, record, _ = report(made.make(tmp_path / "s", scored))
+    assert headline(page) == record["verdict"]["headline"] == f"Not judged: all else passed, but in the drill {why}"
+    assert f"not judged: {why}" in plain(page) and f"Not judged: {why}." in plain(page)
+    assert "nothing to feel" not in page and "every figure is well within its band" in page
+
+
+def test_a_force_that_was_no_cue_has_warned_nobody(tmp_path):
+    unnoticed = {**made.hazard("not_judged", None), "cue_after_ms": None, "cue": None}
+    folder = made.make(tmp_path / "s", made.score(None, improve=[], hazards=[unnoticed]))
+    fault = {"name": "sudden_jump", "first_tick": 1000, "last_tick": 1300, "max_error_mm": 2.0, "max_force_N": 0.25}
+    (folder / "metrics.json").write_text(json.dumps({"faults": [fault]}))
+    page, record, _ = report(folder)
+    assert "no force warned the surgeon" in record["summary"] and record["summary"].replace("'", "&#x27;") in page
+    assert "No force of 0.5 N and no gap of 3 mm lasted 100 ms" in page
+
+
+def test_a_hazard_that_was_seen_and_not_felt_is_described_so(tmp_path):
     page, _, _ = report(made.make(tmp_path / "s", made.score(hazards=[{**made.hazard(), "cue": "ghost"}])))
     assert "The robot was seen to part from the model after 12 ms" in page
 

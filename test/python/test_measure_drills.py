@@ -1,0 +1,99 @@
+"""scripts/measure_drills: its figures from rows of its table, and its options. Runs no session."""
+import importlib.machinery
+import importlib.util
+import pathlib
+import subprocess
+import sys
+
+import pytest
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SCRIPT = ROOT / "scripts/measure_drills"
+sys.path.insert(0, str(ROOT / "scripts"))
+sys.dont_write_bytecode = True
+loader = importlib.machinery.SourceFileLoader("measure_drills", str(SCRIPT))
+measure_drills = importlib.util.module_from_spec(importlib.util.spec_from_loader("measure_drills", loader))
+loader.exec_module(measure_drills)
+
+
+def rows(reaction, verdicts, cue="force", answer=412, let_go=412):
+    """A row of the table for each verdict."""
+    return [{"scenario": "sudden_jump", "reaction": reaction, "verdict": verdict, "cue": cue, "cue_after_ms": "12",
+             "felt_after_ms": "12", "answer_after_ms": str(answer), "let_go_after_ms": str(let_go)} for verdict in verdicts]
+
+
+def printed(capsys, table):
+    """(kept, the printed lines)."""
+    kept = measure_drills.verdict(table)
+    return kept, capsys.readouterr().out.splitlines()
+
+
+@pytest.mark.parametrize("verdicts, kept, said", [
+    (["wrong"] * 50, True, "0 of 50, 0.0 %"), (["wrong"] * 49 + ["late"], True, "1 of 50, 2.0 %"),
+    (["wrong"] * 48 + ["late", "right"], False, "2 of 50, 4.0 %  NOT KEPT"),
+    (["none"] * 48 + ["late"] * 2, False, "2 of 50, 4.0 %  NOT KEPT")])
+def test_a_late_answer_of_a_surgeon_who_ignores_the_hazard_counts_too(capsys, verdicts, kept, said):
+    assert printed(capsys, rows("none", verdicts)) == (kept, [
+        f"reaction none: answered in time or late in {said}", "no cue or answer was compared"])
+
+
+def test_a_late_answer_of_a_surgeon_who_lets_go_is_not_right(capsys):
+    kept, lines = printed(capsys, rows("400", ["right"] * 9 + ["late"]))
+    assert not kept and lines[0] == "reaction 400: answered rightly in 9 of 10, 90.0 %  NOT KEPT"
+
+
+@pytest.mark.parametrize("cues, said", [(0, None),
+                                        (1, "not compared: 1 ghost cue; the simulated surgeon reacts to forces only"),
+                                        (2, "not compared: 2 ghost cues; the simulated surgeon reacts to forces only")])
+def test_ghost_cues_that_are_not_compared_are_counted(capsys, cues, said):
+    table = (rows("250", ["right"] * 2, let_go=410) + rows("250", ["right"] * cues, "ghost", let_go=2000)
+             + rows("none", ["wrong"], "ghost"))
+    kept, lines = printed(capsys, table)
+    assert kept and lines[2:] == ["cue and answer are right within 2 ms"] + ([said] if said else [])
+
+
+def test_an_answer_that_differs_from_the_truth_is_not_kept(capsys):
+    kept, lines = printed(capsys, rows("250", ["right"], let_go=406))
+    assert not kept and lines[-1] == "cue and answer are right within 6 ms  NOT KEPT"
+
+
+@pytest.fixture(name="config")
+def own_configuration(tmp_path):
+    """A configuration with two exercises, one of them with a drill, and one scenario."""
+    for name, text in (("tasks/odd.yaml", "drill: {}\n"), ("tasks/even.yaml", "steps: []\n"), ("breaks/jolt.yaml", "")):
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_text(text)
+    config = tmp_path / "own.yaml"
+    config.write_text("exercises: tasks\nfaults: breaks\n")
+    return config
+
+
+def test_every_session_has_the_chosen_configuration(monkeypatch, config, tmp_path):
+    calls = []
+
+    def simulate(output, *options, config):
+        calls.append((config, dict(zip(options[::2], options[1::2]))))
+        raise measure_drills.raven2_lockstep.LockstepError("no session")
+
+    monkeypatch.setattr(measure_drills.raven2_lockstep, "simulate", simulate)
+    monkeypatch.setattr(measure_drills.raven2_lockstep, "require_program", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["measure_drills", "--config", str(config), "--output", str(tmp_path / "own.csv"),
+                                      "--seeds", "1-2", "--reactions", "none", "--drill", "all"])
+    assert measure_drills.main() == 1, "no session came about"
+    assert [(path, of["--exercise"], of["--drill"]) for path, of in calls] == [(config, "odd", "jolt")] * 2
+
+
+def test_without_a_configuration_it_is_the_packaged_one(monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["measure_drills"])
+    options = measure_drills.read_options()
+    assert (options.config, options.output) == (ROOT / "config/trainer.yaml", pathlib.Path("drills.csv"))
+    assert "camera_clutch" in measure_drills.with_a_drill(options.config)
+    assert "sudden_jump" in measure_drills.scenarios(options.config)
+
+
+@pytest.mark.parametrize("arguments, reason", [(["--config", "CONFIG"], "--config needs --output"),
+                                               (["--config", "nowhere.yaml"], "--config: nowhere.yaml is not a file")])
+def test_a_table_is_not_mixed_from_two_configurations(config, tmp_path, arguments, reason):
+    arguments = [str(config) if argument == "CONFIG" else argument for argument in arguments]
+    done = subprocess.run([SCRIPT, *arguments], capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert done.returncode == 2 and reason in done.stderr and not (tmp_path / "drills.csv").exists()
