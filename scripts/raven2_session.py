@@ -477,6 +477,18 @@ def _load_json(path):
         raise SessionError(f"{path}: {error}") from None
 
 
+def _columns(name, values):
+    """(name, one number a record) of each field."""
+    if values.ndim > 1:
+        for i in range(values.shape[1]):
+            yield from _columns(f"{name}.{i}", values[:, i])
+    elif values.dtype.names:
+        for field in values.dtype.names:
+            yield from _columns(f"{name}.{field}" if name else field, values[field])
+    else:
+        yield name, values
+
+
 class Session:
     """A session directory: `log`, and `metrics`, `faults`, `meta` as dicts (empty where the file is missing). `ticks` as SessionLog."""
 
@@ -489,6 +501,10 @@ class Session:
         self.metrics = _load_json(os.path.join(directory, "metrics.json"))
         self.faults = _load_json(os.path.join(directory, "faults.json"))
         self.meta = _load_json(os.path.join(directory, "meta.json"))
+
+    def table(self, records="ticks"):
+        """Columns by name, {"model.arms.1.q.3": array (records,)}: indices count from 0. pandas.DataFrame takes it."""
+        return dict(_columns("", getattr(self.log, records)))
 
     def file(self, name):
         """Path of a file of the session, or None if it is not there."""

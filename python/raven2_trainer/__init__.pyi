@@ -7,7 +7,7 @@ from typing import Any, Mapping, Optional, Sequence, Union
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-Command = Union[None, Mapping[str, Any], ArrayLike]
+Command = Union[None, dict[str, Any], ArrayLike]
 
 class ConfigError(ValueError):
     """A setting that is not known, missing or out of its range."""
@@ -106,51 +106,81 @@ class Simulation:
                  config: Union[str, PathLike[str], None] = ..., robot: str = ..., motion: Optional[str] = ...,
                  output: Union[str, PathLike[str], None] = ..., plant: Optional[str] = ..., link: Optional[str] = ...,
                  settings: Optional[Mapping[str, Any]] = ...) -> None: ...
-    def step(self, command: Command = ..., ticks: int = ...) -> None: ...
-    def start(self, limit: int = ...) -> int: ...
-    def save(self) -> Snapshot: ...
-    def restore(self, snapshot: Snapshot) -> None: ...
-    def inject(self, hazard: str) -> None: ...
-    def clear_hazards(self) -> None: ...
-    def render(self, camera: str = ..., width: int = ..., height: int = ...) -> NDArray[np.uint8]: ...
+    def step(self, command: Command = ..., ticks: int = ...) -> None:
+        """Applies a command, spread evenly over `ticks` [ms], 1 to 1,000,000. None: the tools rest. An array (2, 7): per arm move (3) [m] and
+        turn (3) [rad] along the axes of the world frame W, and jaw [rad], its opening. A dict: doc/python.md."""
+    def start(self, limit: int = ...) -> int:
+        """Steps with the pedal up until the arms wait for the pedal. Returns ticks [ms]; RuntimeError after `limit` of them."""
+    def save(self) -> Snapshot:
+        """A copy of the whole state, to the bit, for restore() of the same simulation."""
+    def restore(self, snapshot: Snapshot) -> None:
+        """Goes back to the state of save()."""
+    def inject(self, hazard: str) -> None:
+        """Starts a hazard of config/faults at once."""
+    def clear_hazards(self) -> None:
+        """Ends all hazards, those that wait for their trigger too."""
+    def render(self, camera: str = ..., width: int = ..., height: int = ...) -> NDArray[np.uint8]:
+        """RGB (height, width, 3), top row first, from a camera of config/render.yaml; with what hazards of the video do to it."""
     def measure(self, camera: str = ..., width: int = ..., height: int = ...) -> tuple[NDArray[np.float32], NDArray[np.uint16]]:
         """depth (height, width) [m] along the view direction, infinity where nothing is; part (height, width), an index of part_names."""
     @property
-    def part_names(self) -> Sequence[str]: ...
-    def close(self) -> None: ...
+    def part_names(self) -> Sequence[str]:
+        """Names of the links, by the numbers of measure()."""
+    def close(self) -> None:
+        """Ends the session, and scores a recorded one. The last state stays readable; pictures of it can be drawn."""
     def __enter__(self) -> "Simulation": ...
     def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None: ...
     @property
-    def state(self) -> State: ...
+    def state(self) -> State:
+        """The newest state."""
     @property
-    def closed(self) -> bool: ...
+    def closed(self) -> bool:
+        """Whether close() was called."""
     @property
-    def cameras(self) -> Sequence[str]: ...
+    def cameras(self) -> Sequence[str]:
+        """Names of the cameras for render()."""
     @property
-    def object_names(self) -> Sequence[str]: ...
+    def object_names(self) -> Sequence[str]:
+        """Names of the free objects, in the order of State.objects."""
     @property
-    def memory(self) -> int: ...
+    def memory(self) -> int:
+        """[bytes] of a snapshot."""
 
 class VectorSimulation:
+    """n simulations side by side. All that a State has, with a first axis n; mode, runlevel and exercise are lists."""
+
     simulations: Sequence[Simulation]
     joints: NDArray[np.float64]
     joint_rates: NDArray[np.float64]
     torques: NDArray[np.float64]
     desired_joints: NDArray[np.float64]
     tips: NDArray[np.float64]
+    tips_in_world: NDArray[np.float64]
+    desired_tips_in_world: NDArray[np.float64]
     tip_velocities: NDArray[np.float64]
     tip_rotations: NDArray[np.float64]
     robot_joints: NDArray[np.float64]
     robot_tips: NDArray[np.float64]
+    true_joints: NDArray[np.float64]
+    dac: NDArray[np.int32]
     force: NDArray[np.float64]
     error: NDArray[np.float64]
     objects: NDArray[np.float64]
+    contacts: NDArray[np.int64]
+    tick: NDArray[np.int64]
+    session_tick: NDArray[np.int64]
+    hazard: NDArray[np.bool_]
+    mode: list[str]
+    runlevel: list[str]
+    exercise: list[Mapping[str, Any]]
     def __init__(self, n: int, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ..., threads: Optional[int] = ...,
-                 **options: Any) -> None: ...
+                 output: Union[str, PathLike[str], None] = ..., **options: Any) -> None: ...
     def __len__(self) -> int: ...
     def step(self, commands: Union[None, Sequence[Command], NDArray[np.float64]] = ..., ticks: int = ...) -> None: ...
-    def start(self, limit: int = ...) -> None: ...
+    def start(self, limit: int = ...) -> NDArray[np.int64]: ...
     def close(self) -> None: ...
+    def __enter__(self) -> "VectorSimulation": ...
+    def __exit__(self, kind: Optional[type], error: Optional[BaseException], trace: Optional[TracebackType]) -> None: ...
 
 class Planner:
     """FMT* in the scene of an exercise (doc/planning.md)."""
@@ -190,6 +220,8 @@ class Session:
     faults: dict[str, Any]
     meta: dict[str, Any]
     def __init__(self, directory: Union[str, PathLike[str]], ticks: Optional[tuple[int, int]] = ...) -> None: ...
+    def table(self, records: str = ...) -> dict[str, NDArray[Any]]:
+        """Columns of `ticks` or of other records of the log by name, {"model.arms.1.q.3": array (records,)}: for pandas.DataFrame."""
     def file(self, name: str) -> Any: ...
 
 class Kinematics:

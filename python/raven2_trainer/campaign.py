@@ -7,6 +7,8 @@ import pathlib
 import subprocess
 import tempfile
 
+from .plain import as_plain
+
 ERROR = "raven2_trainer: "  # begins the last line of a program that refused
 PROGRAM = pathlib.Path(__file__).parents[3] / "raven2_trainer/run_campaign"
 
@@ -42,8 +44,8 @@ class Campaign:
         """A dict is written to a file in `folder`."""
         if not isinstance(self.definition, dict):
             return os.fspath(self.definition)
-        path = pathlib.Path(folder) / f"{self.definition['name']}.yaml"
-        path.write_text(json.dumps(self.definition, indent=1), encoding="utf-8")  # JSON is YAML
+        path = pathlib.Path(folder) / "campaign.yaml"
+        path.write_text(json.dumps(self.definition, indent=1, default=as_plain), encoding="utf-8")  # JSON is YAML
         return os.fspath(path)
 
 

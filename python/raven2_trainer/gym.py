@@ -21,6 +21,7 @@ OPEN = 1.0         # [rad] widest jaws that an action asks for
 NEAR = 0.002       # [m] a reached point
 REACH = 0.02       # [m] farthest point along an axis
 SPREAD = 0.004     # [m] of the tips at a reset
+JUDGED = 50        # [steps] after an exercise's time limit: its judge speaks first
 STRIKE = (5, 50)   # [steps] into an episode, between which a hazard comes
 MOST_STARTED = 16  # variations that are kept; a simulation takes some 35 MB
 _ARMS = ("gold", "green")
@@ -46,12 +47,18 @@ def variation(number, config=None, robot="none"):
     return {"settings": settings, "link": LINKS[link], **({"plant": PLANTS[plant]} if robot == "virtual" else {})}
 
 
+def _exercise_file(exercise, config):
+    root = pathlib.Path(root_file(config)).parent
+    return yaml.safe_load((root / "exercises" / f"{exercise}.yaml").read_text(encoding="utf-8"))
+
+
 def _hazard_of(exercise, hazard, config):
-    """"own" is the exercise's."""
+    """"own" is the drill of the exercise; "none" means no hazard."""
+    if hazard == "none":
+        return None
     if hazard != "own" or exercise is None:
         return hazard
-    root = pathlib.Path(root_file(config)).parent
-    return yaml.safe_load((root / "exercises" / f"{exercise}.yaml").read_text(encoding="utf-8"))["drill"]["scenario"]
+    return _exercise_file(exercise, config)["drill"]["scenario"]
 
 
 class Raven(gymnasium.Env):
@@ -63,17 +70,22 @@ class Raven(gymnasium.Env):
     `robot`: "virtual" or "none"; None: "virtual" with a hazard, else "none", which is faster.
     With `pictures=(width, height)` a dict of that ("state") and the endoscope's image ("picture").
     With `hazard` it comes 0.1 to 1 s after the reset, by its seed.
+    `max_steps`: longest episode; None: the time limit of the exercise.
     With `variations=n` each reset takes one of the variations 0 to n - 1 (see variation()), by its seed.
     """
 
     metadata = {"render_modes": ["rgb_array"], "render_fps": 1000 // TICKS}
 
-    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot=None, config=None, max_steps=1000, variations=1,
+    def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot=None, config=None, max_steps=None, variations=1,
                  render_mode=None):
         self.render_mode = render_mode
         self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
-        self._make = {"exercise": exercise, "robot": robot or ("none" if hazard is None else "virtual"), "config": config}
+        self._make = {"exercise": exercise, "robot": robot or ("none" if self._hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
+        if max_steps is None and exercise is None:
+            max_steps = 1000
+        if max_steps is None:  # as long as the exercise's judge allows
+            max_steps = round(1000 * _exercise_file(exercise, config)["time_limit"]) // TICKS + JUDGED
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
         if variations < 1:
             raise ValueError(f"variations is {variations}, expected at least 1")
@@ -117,6 +129,8 @@ class Raven(gymnasium.Env):
         return self._seen(), self._info()
 
     def step(self, action):
+        if np.shape(action) != self.action_space.shape:
+            raise ValueError(f"action has the shape {np.shape(action)}, expected {self.action_space.shape}")
         action = np.clip(np.asarray(action, dtype=float).reshape(len(self._arms), -1), -1.0, 1.0)
         command = np.zeros((2, 7))
         command[:, 6] = OPEN
@@ -209,6 +223,7 @@ class Reach(Raven):
         return np.concatenate([tip, self._goal - tip, self._goal - self._simulation.state.desired_tips_in_world[self._arm]]).astype(np.float32)
 
 
-for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1}),
+for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1,
+                                                            "max_steps": 1000}),
                       ("RingTransfer", {"exercise": "ring_tower_transfer"}), ("PegTransfer", {"exercise": "peg_transfer"})):
     gymnasium.register(f"raven2_trainer/{name}-v0", entry_point=Reach if name == "Reach" else Raven, kwargs=options)

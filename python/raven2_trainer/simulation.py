@@ -1,5 +1,6 @@
 """Simulations: console, daemon and virtual Raven in one process, stepped by a program."""
 
+import concurrent.futures
 import json
 import os
 import pathlib
@@ -7,6 +8,10 @@ import pathlib
 import numpy as np
 
 from . import _core
+from .plain import as_plain
+
+
+MOST = 256  # simulations for which a process has room
 
 
 def _root(config):
@@ -24,8 +29,7 @@ def root_file(config=None):
 
 def _yaml(values):
     """[(key, value as YAML)] of a dict of settings; arrays become lists."""
-    return [(str(key), json.dumps(value.tolist() if isinstance(value, (np.ndarray, np.generic)) else value))
-            for key, value in (values or {}).items()]
+    return [(str(key), json.dumps(value, default=as_plain)) for key, value in (values or {}).items()]
 
 
 class Kinematics(_core.Kinematics):
@@ -66,8 +70,8 @@ class Simulation(_core.Simulation):
                  settings=None):
         if robot not in ("virtual", "none"):
             raise ValueError(f"robot is {robot!r}, expected 'virtual' or 'none'")
-        if isinstance(seed, bool) or int(seed) != seed or not 0 <= seed < 2**64:
-            raise ValueError(f"seed is {seed!r}, expected a whole number from 0")
+        if isinstance(seed, bool) or not 0 <= seed < 2**64 or int(seed) != seed:
+            raise ValueError(f"seed is {seed!r}, expected a whole number from 0 to 2**64 - 1")
         if plant and robot == "none":
             raise ValueError(f"plant is {plant!r}, but robot is 'none'")
         for name, value in (("exercise", exercise), ("hazard", hazard), ("motion", motion), ("plant", plant), ("link", link)):
@@ -84,16 +88,24 @@ class Simulation(_core.Simulation):
 
 
 class VectorSimulation:
-    """n simulations side by side on all cores, seeds `seed` to `seed + n - 1`. Arrays have a first axis n."""
+    """n simulations side by side on all cores, seeds `seed` to `seed + n - 1`. It has the arrays and numbers of a simulation's state,
+    with a first axis n; `mode`, `runlevel` and `exercise` are lists. `output`: simulation i records in its folder i."""
 
-    ARRAYS = ("joints", "joint_rates", "torques", "desired_joints", "tips", "tip_velocities", "tip_rotations", "robot_joints", "robot_tips",
-              "force", "error", "objects")
+    LISTS = ("mode", "runlevel", "exercise")
 
-    def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, **options):
-        if n < 1:
-            raise ValueError(f"n is {n}, expected at least 1")
-        self.simulations = [Simulation(exercise, hazard, seed + i, **options) for i in range(n)]
+    def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, output=None, **options):
+        if not 1 <= n <= MOST:
+            raise ValueError(f"n is {n}, expected 1 to {MOST}")
         self._threads = threads or len(os.sched_getaffinity(0))
+
+        def make(i):
+            return Simulation(exercise, hazard, seed + i, output=output and os.path.join(output, str(i)), **options)
+
+        self.simulations = self._each(make, range(n))
+
+    def _each(self, work, items):
+        with concurrent.futures.ThreadPoolExecutor(self._threads) as pool:
+            return list(pool.map(work, items))
 
     def __len__(self):
         return len(self.simulations)
@@ -104,14 +116,21 @@ class VectorSimulation:
         _core.step_all(self.simulations, commands, ticks, self._threads)
 
     def start(self, limit=20000):
-        for simulation in self.simulations:
-            simulation.start(limit)
+        """The ticks that each one took, (n,)."""
+        return np.array(self._each(lambda simulation: simulation.start(limit), self.simulations))
 
     def __getattr__(self, name):
-        if name not in self.ARRAYS:
-            raise AttributeError(name)
-        return np.stack([getattr(simulation.state, name) for simulation in self.simulations])
+        if name.startswith("_") or not hasattr(_core.State, name):
+            raise AttributeError(f"VectorSimulation has no attribute {name!r}")
+        values = [getattr(simulation.state, name) for simulation in self.simulations]
+        return values if name in self.LISTS else np.stack(values)
 
     def close(self):
         for simulation in self.simulations:
             simulation.close()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()

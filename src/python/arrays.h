@@ -10,18 +10,11 @@
 
 #include "raven2_trainer/core/types.h"
 
-// Arrays from callers; work without the interpreter's lock.
+// Arrays from callers.
 
 namespace raven2_trainer::python {
 
 using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
-
-/** Other Python threads run meanwhile. */
-template <typename Work>
-auto withoutLock(const Work& work) {
-  const pybind11::gil_scoped_release release;
-  return work();
-}
 
 /** @throw std::invalid_argument unless it is `count` finite numbers. */
 inline std::vector<double> finiteNumbers(const pybind11::handle& value, std::size_t count, const std::string& what) {

@@ -5,15 +5,17 @@
 #include <pybind11/stl.h>
 
 #include <cmath>
-#include <thread>
 
 #include "python/arrays.h"
 #include "python/constructed.h"
+#include "python/docs.h"
 #include "python/motion_module.h"
 #include "python/picture.h"
 #include "python/simulation.h"
+#include "python/state_module.h"
+#include "python/steps.h"
+#include "python/unlocked.h"
 #include "raven2_trainer/core/exceptions.h"
-#include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/planning/path_planner.h"
 
 namespace py = pybind11;
@@ -100,138 +102,6 @@ void demandSize(int width, int height) {
     throw std::invalid_argument("width, height: expected 1 to 4096");
 }
 
-// ---- views
-
-/** Of numbers that lie in the simulation, which `owner` keeps alive; not to be written. */
-template <typename T>
-py::array view(const T* first,
-               std::vector<py::ssize_t> shape,
-               std::vector<py::ssize_t> strides,
-               const py::object& owner) {
-  py::array_t<T> array(std::move(shape), std::move(strides), first, owner);
-  py::detail::array_proxy(array.ptr())->flags &= ~py::detail::npy_api::NPY_ARRAY_WRITEABLE_;
-  return std::move(array);
-}
-
-template <typename Struct, typename Array>
-py::array perArm(const PerArm<Struct>& arms, const Array Struct::*member, const py::object& owner) {
-  const auto& first = arms[0].*member;
-  return view(first.data(), {2, static_cast<py::ssize_t>(first.size())},
-              {static_cast<py::ssize_t>(sizeof(Struct)), static_cast<py::ssize_t>(sizeof(first[0]))}, owner);
-}
-
-template <typename Array>
-py::array perArm(const PerArm<Array>& arms, const py::object& owner) {
-  return view(arms[0].data(), {2, static_cast<py::ssize_t>(arms[0].size())},
-              {static_cast<py::ssize_t>(sizeof(Array)), static_cast<py::ssize_t>(sizeof(double))}, owner);
-}
-
-/** The newest state of a simulation: numbers change with each step. */
-class State : public Constructed {
- public:
-  explicit State(py::object owner) : owner_(std::move(owner)), simulation_(py::cast<Simulation&>(owner_)) {}
-
-  const ModelState& model() const { return simulation_.view().model; }
-  const RobotState& robot() const { return simulation_.view().robot; }
-  const HapticState& haptic() const { return simulation_.view().haptic; }
-  const py::object& owner() const { return owner_; }
-  const Simulation& simulation() const { return simulation_; }
-
-  py::array objects() const {
-    const std::size_t count = simulation_.scene().free_bodies.size();
-    return view(model().bodies[0].p.data(), {static_cast<py::ssize_t>(count), 7},
-                {static_cast<py::ssize_t>(sizeof(RigidPose)), static_cast<py::ssize_t>(sizeof(double))}, owner_);
-  }
-
- private:
-  py::object owner_;
-  Simulation& simulation_;
-};
-static_assert(sizeof(RigidPose) == 7 * sizeof(double), "an object's row");
-
-/** @param[in] tip_B of an arm's state. */
-template <typename Tip>
-Numbers inWorld(const State& state, Tip tip_B) {
-  Numbers tips(std::vector<py::ssize_t>{2, 3});
-  for (const Arm arm : kArms) {
-    const Vector3 p_W = at(state.simulation().raven().X_WB, arm) * tip_B(arm, at(state.model().arms, arm));
-    std::copy(p_W.data(), p_W.data() + 3, tips.mutable_data(static_cast<py::ssize_t>(index(arm)), 0));
-  }
-  return tips;
-}
-
-Numbers tipsInWorld(const State& state) {
-  return inWorld(state, [](Arm, const ArmState& arm) -> Vector3 { return toEigen(arm.p_BT); });
-}
-
-Numbers desiredTipsInWorld(const State& state) {
-  const ArmGeometry& geometry = state.simulation().config().arms.geometry;
-  return inWorld(state,
-                 [&](Arm which, const ArmState& arm) { return kinematics::forward(geometry, which, arm.q_d).p; });
-}
-
-std::vector<std::string> stepNames(const TrainerConfig& config) {
-  std::vector<std::string> names;
-  for (const ExerciseTrack& track : config.exercise.tracks)
-    for (const ExerciseStep& step : track.steps)
-      names.push_back(step.name);
-  return names;
-}
-
-py::dict exerciseOf(const State& state) {
-  const ExerciseState& exercise = state.model().exercise;
-  py::dict out;
-  out["status"] = kExerciseStatusNames[static_cast<std::size_t>(exercise.status)];
-  out["attempt"] = exercise.attempt;
-  out["steps_done"] = exercise.step > 0 ? exercise.step - 1 : 0;
-  out["steps"] = stepNames(state.simulation().config());
-  return out;
-}
-
-// ---- many at once
-
-/** Threads that end before it does, however it ends. */
-struct Joined {
-  ~Joined() {
-    for (std::thread& each : threads)
-      each.join();
-  }
-  std::vector<std::thread> threads;
-};
-
-/** Steps all of them, each on one of the threads; none if a command is refused. @throw what one of them throws. */
-void stepAll(const std::vector<Simulation*>& all,
-             const std::vector<StepCommand>& commands,
-             int ticks,
-             unsigned threads) {
-  for (std::size_t i = 0; i < all.size(); ++i)
-    all[i]->check(commands[i], ticks);
-  std::atomic<std::size_t> next{0};
-  std::mutex mutex;
-  std::exception_ptr trouble;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < all.size(); i = next++) {
-      try {
-        all[i]->step(commands[i], ticks);
-      } catch (...) {
-        const std::lock_guard<std::mutex> lock(mutex);
-        if (!trouble) trouble = std::current_exception();
-      }
-    }
-  };
-  {
-    Joined others;
-    try {
-      for (unsigned i = 1; i < threads && i < all.size(); ++i)
-        others.threads.emplace_back(work);
-    } catch (const std::system_error&) {
-      // no more threads on this computer: the others do the work
-    }
-    work();
-  }
-  if (trouble) std::rethrow_exception(trouble);
-}
-
 void addCommands(py::class_<Simulation>* target) {
   target
       ->def(
@@ -239,32 +109,29 @@ void addCommands(py::class_<Simulation>* target) {
           [](Simulation& self, const py::object& command, int ticks) {
             const StepCommand wanted = stepCommand(command);
             demandTicks(ticks);
-            const py::gil_scoped_release release;
-            self.step(wanted, ticks, [] {
-              const py::gil_scoped_acquire acquire;
-              if (PyErr_CheckSignals() != 0) throw py::error_already_set();
-            });
+            const Unlocked unlocked;
+            self.step(wanted, ticks, runSignals);
           },
-          py::arg("command") = py::none(), py::arg("ticks") = 1)
+          doc("Simulation.step"), py::arg("command") = py::none(), py::arg("ticks") = 1)
       .def(
-          "start", [](Simulation& self, int limit) { return self.start(demandTicks(limit)); }, py::arg("limit") = 20000,
-          py::call_guard<py::gil_scoped_release>())
+          "start", [](Simulation& self, int limit) { return self.start(demandTicks(limit), runSignals); },
+          doc("Simulation.start"), py::arg("limit") = 20000, py::call_guard<Unlocked>())
       .def(
-          "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); },
-          py::call_guard<py::gil_scoped_release>())
-      .def("restore", &Simulation::restore, py::arg("snapshot"), py::call_guard<py::gil_scoped_release>())
-      .def("inject", &Simulation::inject, py::arg("hazard"), py::call_guard<py::gil_scoped_release>())
-      .def("clear_hazards", &Simulation::clearHazards, py::call_guard<py::gil_scoped_release>())
-      .def("close", &Simulation::close, py::call_guard<py::gil_scoped_release>());
+          "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); }, doc("Simulation.save"),
+          py::call_guard<Unlocked>())
+      .def("restore", &Simulation::restore, doc("Simulation.restore"), py::arg("snapshot"), py::call_guard<Unlocked>())
+      .def("inject", &Simulation::inject, doc("Simulation.inject"), py::arg("hazard"), py::call_guard<Unlocked>())
+      .def("clear_hazards", &Simulation::clearHazards, doc("Simulation.clear_hazards"), py::call_guard<Unlocked>())
+      .def("close", &Simulation::close, doc("Simulation.close"), py::call_guard<Unlocked>());
 }
 
 void addPictures(py::class_<Simulation>* target) {
-  const auto draw = [](const Simulation& self, const std::string& camera, int width, int height) {
+  const auto draw = [](Simulation& self, const std::string& camera, int width, int height) {
     demandSize(width, height);
     const auto rgb = withoutLock([&] { return drawPicture(self, camera, width, height); });
     return py::array_t<std::uint8_t>({height, width, 3}, rgb.data());
   };
-  const auto measure = [](const Simulation& self, const std::string& camera, int width, int height) {
+  const auto measure = [](Simulation& self, const std::string& camera, int width, int height) {
     demandSize(width, height);
     const auto seen = withoutLock([&] { return measurePicture(self, camera, width, height); });
     return py::make_tuple(py::array_t<float>({height, width}, seen.depth.data()),
@@ -272,22 +139,27 @@ void addPictures(py::class_<Simulation>* target) {
   };
   const py::arg_v camera = py::arg("camera") = "endoscope", width = py::arg("width") = 640,
                   height = py::arg("height") = 480;
-  target->def("render", draw, camera, width, height)
-      .def("measure", measure, camera, width, height)
-      .def_property_readonly("part_names",
-                             [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); })
-      .def_property_readonly("cameras", [](const Simulation& self) {
-        std::vector<std::string> names;
-        for (const CameraConfig& each : self.config().render.cameras)
-          names.push_back(each.name);
-        return names;
-      });
+  target->def("render", draw, doc("Simulation.render"), camera, width, height)
+      .def("measure", measure, doc("Simulation.measure"), camera, width, height)
+      .def_property_readonly(
+          "part_names", [](const Simulation& self) { return render::partNames(self.raven(), self.scene()); },
+          doc("Simulation.part_names"))
+      .def_property_readonly(
+          "cameras",
+          [](const Simulation& self) {
+            std::vector<std::string> names;
+            for (const CameraConfig& each : self.config().render.cameras)
+              names.push_back(each.name);
+            return names;
+          },
+          doc("Simulation.cameras"));
 }
 
 void addSimulation(py::module_* target) {
   py::module_& module = *target;
-  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot")
-      .def_property_readonly("size", [](const Snapshot& self) { return self.memory.size(); });
+  py::class_<Snapshot, std::shared_ptr<Snapshot>>(module, "Snapshot", doc("Snapshot"))
+      .def_property_readonly(
+          "size", [](const Snapshot& self) { return self.memory.size(); }, doc("Snapshot.size"));
 
   py::class_<Simulation> simulation(module, "Simulation");
   simulation
@@ -301,70 +173,20 @@ void addSimulation(py::module_* target) {
            }),
            py::arg("exercise"), py::arg("hazard"), py::arg("seed"), py::arg("config"), py::arg("has_robot"),
            py::arg("motion"), py::arg("output"), py::arg("plant"), py::arg("link"), py::arg("settings"))
-      .def_property_readonly("closed", &Simulation::isClosed)
-      .def_property_readonly("memory", &Simulation::stateSize)
-      .def_property_readonly("state", [](py::object self) { return made<State>(std::move(self)); })
-      .def_property_readonly("object_names", [](const Simulation& self) {
-        std::vector<std::string> names;
-        for (const int body : self.scene().free_bodies)
-          names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
-        return names;
-      });
+      .def_property_readonly("closed", &Simulation::isClosed, doc("Simulation.closed"))
+      .def_property_readonly("memory", &Simulation::stateSize, doc("Simulation.memory"))
+      .def_property_readonly("state", &newestState, doc("Simulation.state"))
+      .def_property_readonly(
+          "object_names",
+          [](const Simulation& self) {
+            std::vector<std::string> names;
+            for (const int body : self.scene().free_bodies)
+              names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
+            return names;
+          },
+          doc("Simulation.object_names"));
   addCommands(&simulation);
   addPictures(&simulation);
-}
-
-/** Numbers of both arms. */
-void addArms(py::class_<State>* target) {
-  const auto of_model = [target](const char* name, auto member) {
-    target->def_property_readonly(name, [member](const State& s) { return perArm(s.model().arms, member, s.owner()); });
-  };
-  const auto of_robot = [target](const char* name, auto member) {
-    target->def_property_readonly(name, [member](const State& s) { return perArm(s.robot().arms, member, s.owner()); });
-  };
-  of_model("joints", &ArmState::q);
-  of_model("joint_rates", &ArmState::dq);
-  of_model("torques", &ArmState::tau);
-  of_model("desired_joints", &ArmState::q_d);
-  of_model("tips", &ArmState::p_BT);
-  of_model("tip_velocities", &ArmState::v_BT);
-  of_model("tip_rotations", &ArmState::q_BT);
-  of_robot("robot_joints", &RobotArmState::q);
-  of_robot("robot_tips", &RobotArmState::p_BT);
-  of_robot("dac", &RobotArmState::dac);
-}
-
-void addState(py::module_* target) {
-  py::class_<State> state(*target, "State");
-  addArms(&state);
-  state.def_property_readonly("tips_in_world", &tipsInWorld)
-      .def_property_readonly("desired_tips_in_world", &desiredTipsInWorld)
-      .def_property_readonly("force", [](const State& s) { return perArm(s.haptic().force_B, s.owner()); })
-      .def_property_readonly(
-          "error", [](const State& s) { return view(s.haptic().error.data(), {2}, {sizeof(double)}, s.owner()); })
-      .def_property_readonly("objects", &State::objects)
-      .def_property_readonly(
-          "contacts",
-          [](const State& s) {
-            return std::array<std::uint32_t, 2>{s.model().arms[0].contacts, s.model().arms[1].contacts};
-          })
-      .def_property_readonly("true_joints",
-                             [](const State& s) {
-                               const auto q = withoutLock([&] { return s.simulation().trueJoints(); });
-                               return Numbers({2, 7}, q[0].data());
-                             })
-      .def_property_readonly("mode",
-                             [](const State& s) { return kModeNames[static_cast<std::size_t>(s.model().mode)]; })
-      .def_property_readonly(
-          "runlevel",
-          [](const State& s) {
-            return s.robot().frame == 0 ? "none" : kRunLevelNames[static_cast<std::size_t>(s.robot().runlevel)];
-          })
-      .def_property_readonly("tick", [](const State& s) { return s.model().tick; })
-      .def_property_readonly("session_tick", [](const State& s) { return s.model().session_tick; })
-      .def_property_readonly("hazard",
-                             [](const State& s) { return s.robot().active_fault != 0 || s.model().faults.active != 0; })
-      .def_property_readonly("exercise", &exerciseOf);
 }
 
 void addStepAll(py::module_* target) {
@@ -384,7 +206,7 @@ void addStepAll(py::module_* target) {
       wanted.push_back(stepCommand(given[i]));
     }
     demandTicks(ticks);
-    const py::gil_scoped_release release;
+    const Unlocked unlocked;
     stepAll(all, wanted, ticks, threads);
   });
 }
@@ -393,6 +215,7 @@ void addStepAll(py::module_* target) {
 
 PYBIND11_MODULE(_core, module) {
   serveOde();
+  stopThreadsAtExit();
   planning::initialiseOmpl();
   py::register_exception<ConfigException>(module, "ConfigError", PyExc_ValueError);
   py::register_exception<ModelException>(module, "ModelError", PyExc_RuntimeError);

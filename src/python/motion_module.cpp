@@ -1,13 +1,18 @@
 #include "python/motion_module.h"
 
+#include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <future>
 #include <memory>
 #include <mutex>
 
 #include "python/arrays.h"
 #include "python/constructed.h"
+#include "python/docs.h"
 #include "python/simulation.h"
+#include "python/unlocked.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -27,11 +32,18 @@ struct Kinematics : Constructed {
   ArmGeometry geometry;
 };
 
+JointArray finiteRow(const Numbers& rows, py::ssize_t i) {
+  const JointArray q = rowOf(rows.data() + 7 * i);
+  if (!std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); }))
+    throw std::invalid_argument("joints: not a finite number");
+  return q;
+}
+
 py::tuple forwardOf(const Kinematics& self, const std::string& arm, const py::object& joints) {
   const Numbers rows = jointRows(joints);
   Numbers p(leading(rows, 1, {3})), R(leading(rows, 1, {3, 3}));
   for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
-    const Pose pose = kinematics::forward(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    const Pose pose = kinematics::forward(self.geometry, armOf(arm), finiteRow(rows, i));
     for (int k = 0; k < 3; ++k)
       p.mutable_data()[3 * i + k] = pose.p[k];
     for (int k = 0; k < 9; ++k)
@@ -44,14 +56,14 @@ Numbers jacobianOf(const Kinematics& self, const std::string& arm, const py::obj
   const Numbers rows = jointRows(joints);
   Numbers J(leading(rows, 1, {6, 7}));
   for (py::ssize_t i = 0; i < rows.size() / 7; ++i) {
-    const kinematics::Jacobian one = kinematics::jacobian(self.geometry, armOf(arm), rowOf(rows.data() + 7 * i));
+    const kinematics::Jacobian one = kinematics::jacobian(self.geometry, armOf(arm), finiteRow(rows, i));
     for (int k = 0; k < 42; ++k)
       J.mutable_data()[42 * i + k] = one(k / 7, k % 7);
   }
   return J;
 }
 
-/** All solutions of a finite pose with a rotation; of others all are invalid. */
+/** All solutions of a pose; of a matrix that is no rotation, or a reflection, all are invalid. */
 kinematics::IkSolutions solutionsOf(const ArmGeometry& arms,
                                     Arm arm,
                                     const double* p,
@@ -63,10 +75,16 @@ kinematics::IkSolutions solutionsOf(const ArmGeometry& arms,
   for (int k = 0; k < 9; ++k)
     pose.R(k / 3, k % 3) = R[k];
   kinematics::IkSolutions solutions{};
-  const bool is_sane =
-      pose.p.allFinite() && pose.R.allFinite() && (pose.R * pose.R.transpose() - Matrix3::Identity()).norm() < 1e-6;
-  if (is_sane) kinematics::inverseAll(arms, arm, pose, opening, &solutions);
+  const bool is_rotation =
+      (pose.R * pose.R.transpose() - Matrix3::Identity()).norm() < 1e-6 && pose.R.determinant() > 0.0;
+  if (is_rotation) kinematics::inverseAll(arms, arm, pose, opening, &solutions);
   return solutions;
+}
+
+void demandFinite(const Numbers& numbers, const std::string& what) {
+  const auto is_finite = [](double x) { return std::isfinite(x); };
+  if (!std::all_of(numbers.data(), numbers.data() + numbers.size(), is_finite))
+    throw std::invalid_argument(what + ": not a finite number");
 }
 
 py::tuple inverseOf(const Kinematics& self,
@@ -80,7 +98,9 @@ py::tuple inverseOf(const Kinematics& self,
                     R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 &&
                     std::equal(p.shape(), p.shape() + p.ndim() - 1, R.shape());
   if (!fits) throw std::invalid_argument("p, R: expected arrays of shapes (..., 3) and (..., 3, 3)");
-  if (!std::isfinite(opening)) throw std::invalid_argument("opening: not a finite number");
+  demandFinite(p, "p");
+  demandFinite(R, "R");
+  if (!(std::abs(opening) <= kPi)) throw std::invalid_argument("opening: expected -3.14 to 3.14 rad");
   Numbers joints(leading(p, 1, {8, 7}));
   py::array_t<bool> valid(leading(p, 1, {8}));
   double* q = joints.mutable_data();
@@ -109,11 +129,22 @@ class Planner : public Constructed {
     planner_.prepare();
   }
 
+  /** On another thread: the caller runs signals meanwhile. @throw what they throw; then the plan is cancelled. */
   PlanResult plan(const PlanRequest& request, std::uint64_t seed) {
     const std::lock_guard<std::mutex> lock(mutex_);
-    physics::attachOdeToThread();
-    const std::atomic<bool> cancel{false};
-    return planner_.plan(request, seed, /*lockstep=*/true, cancel);
+    std::atomic<bool> cancel{false};
+    auto answer = std::async(std::launch::async, [&] {
+      physics::attachOdeToThread();
+      return planner_.plan(request, seed, /*lockstep=*/true, cancel);
+    });
+    try {
+      while (answer.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
+        runSignals();
+    } catch (...) {
+      cancel = true;  // the destructor of `answer` waits for its thread
+      throw;
+    }
+    return answer.get();
   }
 
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) {
@@ -153,13 +184,6 @@ JointArray jointsOr(const py::object& given, const JointArray& otherwise, const 
   return given.is_none() ? otherwise : arrayOf<JointArray>(given, what);
 }
 
-JointArray finiteRow(const Numbers& rows, py::ssize_t i) {
-  const JointArray q = rowOf(rows.data() + 7 * i);
-  if (!std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); }))
-    throw std::invalid_argument("joints: not a finite number");
-  return q;
-}
-
 py::dict plan(Planner& self,
               const std::string& arm,
               const py::object& start,
@@ -193,7 +217,7 @@ py::array_t<bool> inCollision(Planner& self,
   py::array_t<bool> found(leading(rows, 1, {}));
   bool* const is_in = found.mutable_data();
   const py::ssize_t count = found.size();
-  const py::gil_scoped_release release;
+  const Unlocked unlocked;
   for (py::ssize_t i = 0; i < count; ++i)
     is_in[i] = self.inCollision(armOf(arm), finiteRow(rows, i), there);
   return found;
@@ -207,21 +231,22 @@ void addPlanner(py::module_* module) {
              SimulationOptions options;
              options.exercise = exercise;
              options.config = config;
-             const py::gil_scoped_release release;
+             const Unlocked unlocked;
              return made<Planner>(options);
            }),
            py::arg("exercise"), py::arg("config"))
-      .def("plan", &plan, py::arg("arm"), py::arg("start"), py::arg("goal"), py::arg("other") = py::none(),
-           py::arg("seed") = 1)
-      .def("in_collision", &inCollision, py::arg("arm"), py::arg("joints"), py::arg("other") = py::none())
+      .def("plan", &plan, doc("Planner.plan"), py::arg("arm"), py::arg("start"), py::arg("goal"),
+           py::arg("other") = py::none(), py::arg("seed") = 1)
+      .def("in_collision", &inCollision, doc("Planner.in_collision"), py::arg("arm"), py::arg("joints"),
+           py::arg("other") = py::none())
       .def(
           "edge_cost",
           [](Planner& self, const std::string& arm, const py::object& a, const py::object& b) {
             const JointArray from = arrayOf<JointArray>(a, "a"), to = arrayOf<JointArray>(b, "b");
-            const py::gil_scoped_release release;
+            const Unlocked unlocked;
             return self.edgeCost(armOf(arm), from, to);
           },
-          py::arg("arm"), py::arg("a"), py::arg("b"));
+          doc("Planner.edge_cost"), py::arg("arm"), py::arg("a"), py::arg("b"));
 }
 
 void addKinematics(py::module_* module) {
@@ -231,9 +256,10 @@ void addKinematics(py::module_* module) {
              return made<Kinematics>(config::loadTrainerConfig(root).arms.geometry);
            }),
            py::arg("config") = "")
-      .def("forward", &forwardOf, py::arg("arm"), py::arg("joints"))
-      .def("jacobian", &jacobianOf, py::arg("arm"), py::arg("joints"))
-      .def("inverse", &inverseOf, py::arg("arm"), py::arg("p"), py::arg("R"), py::arg("opening") = 0.0);
+      .def("forward", &forwardOf, doc("Kinematics.forward"), py::arg("arm"), py::arg("joints"))
+      .def("jacobian", &jacobianOf, doc("Kinematics.jacobian"), py::arg("arm"), py::arg("joints"))
+      .def("inverse", &inverseOf, doc("Kinematics.inverse"), py::arg("arm"), py::arg("p"), py::arg("R"),
+           py::arg("opening") = 0.0);
 }
 
 }  // namespace raven2_trainer::python

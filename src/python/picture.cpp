@@ -68,31 +68,28 @@ Stage& stageFor(const Simulation& simulation, int width, int height) {
   return stages->emplace_front(simulation, width, height);
 }
 
-/** draw(renderer, scene, camera) of the newest state. */
+/** draw(renderer, scene, camera) of the state that the surgeon sees. */
 template <typename Draw>
-auto withScene(const Simulation& simulation, const std::string& camera, int width, int height, Draw draw) {
+auto withScene(Simulation& simulation, const std::string& camera, int width, int height, Draw draw) {
   const CameraConfig& config = model::requireCamera(simulation.config().render.cameras, camera);
   demandFirstProcess();
   Stage& stage = stageFor(simulation, width, height);
-  const std::lock_guard<std::mutex> lock(simulation.mutex());
-  render::Snapshot snapshot;
-  snapshot.model = simulation.view().model;
-  snapshot.robot = simulation.view().robot;
-  snapshot.haptic = simulation.view().haptic;
+  const std::lock_guard<std::recursive_mutex> lock(simulation.mutex());
+  const render::Snapshot snapshot = simulation.seen();
   const render::Scene& scene = stage.builder.build(snapshot);
   return draw(&stage.renderer, scene, render::cameraSeeing(snapshot, config, simulation.raven().X_WB, width, height));
 }
 
 }  // namespace
 
-std::vector<std::uint8_t> drawPicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+std::vector<std::uint8_t> drawPicture(Simulation& simulation, const std::string& camera, int width, int height) {
   return withScene(simulation, camera, width, height,
                    [](render::Renderer* renderer, const render::Scene& scene, const model::Camera& seen) -> std::vector<std::uint8_t> {
                      return renderer->draw(scene, seen);
                    });
 }
 
-render::Geometry measurePicture(const Simulation& simulation, const std::string& camera, int width, int height) {
+render::Geometry measurePicture(Simulation& simulation, const std::string& camera, int width, int height) {
   return withScene(simulation, camera, width, height,
                    [](render::Renderer* renderer, const render::Scene& scene, const model::Camera& seen) {
                      return renderer->measure(scene, seen);

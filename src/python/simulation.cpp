@@ -31,6 +31,7 @@ namespace {
 std::atomic<std::uint64_t> simulations{0};
 const std::string kCommands = "commands";  ///< motion from step()
 constexpr int kInterruptTicks = 1000;
+constexpr Tick kPictureTicks = 33;         ///< from a live picture to the next
 constexpr double kMaxTurn = 0.0989;        ///< [rad] in a tick; less than a packet of the console takes
 
 }  // namespace
@@ -170,6 +171,7 @@ Simulation::Simulation(const SimulationOptions& options)
 
 void Simulation::destroyStack() {
   const ArenaScope scope(&arena_);
+  pictures_.reset();
   stack_.reset();
 }
 
@@ -192,6 +194,7 @@ void Simulation::build(const SimulationOptions& options) {
   parts.trial_limit = 0.1;  // a program has save() and restore()
   stack_ = std::make_unique<lockstep::LockstepStack>(config_, std::move(hands), parts);
   if (options.link != "none") stack_->impair(link_);
+  pictures_ = std::make_unique<render::PictureLine>();
 }
 
 Simulation::~Simulation() {
@@ -243,12 +246,26 @@ void Simulation::tick() {
     stack_->tick();
     if (!recording_) stack_->discardRecords();
   }
+  if (view().model.tick % kPictureTicks == 0) passPicture();
   if (source_ != nullptr) {
     under_way_.add(source_->sequence(), source_->done(), source_->mayMove());
     under_way_.arrived(stack_->arrived());
   }
   if (recording_ && source_ != nullptr) recording_->note(source_->done());
   if (recording_) recording_->follow();
+}
+
+render::Snapshot Simulation::passPicture() {
+  render::Snapshot now;
+  now.model = view().model;
+  now.robot = view().robot;
+  now.haptic = view().haptic;
+  const ArenaScope scope(&arena_);
+  return pictures_->pass(now);
+}
+
+render::Snapshot Simulation::seen() {
+  return passPicture();
 }
 
 void Simulation::demand(const StepCommand& command, int ticks) const {
@@ -259,12 +276,12 @@ void Simulation::demand(const StepCommand& command, int ticks) const {
 }
 
 void Simulation::check(const StepCommand& command, int ticks) const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demand(command, ticks);
 }
 
 void Simulation::step(const StepCommand& command, int ticks, const std::function<void()>& interrupt) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demand(command, ticks);
   physics::attachOdeToThread();
   for (const Arm arm : kArms) {
@@ -273,14 +290,17 @@ void Simulation::step(const StepCommand& command, int ticks, const std::function
     if (wanted.joints) at(jaws_, arm) = limited(kinematics::jawOpening(*wanted.joints));
   }
   for (int left = ticks; left > 0; --left) {
-    if (left % kInterruptTicks == 0) interrupt();
+    if (left % kInterruptTicks == 0) {
+      interrupt();
+      demandOpen();
+    }
     if (source_ != nullptr) source_->set(handsFor(command, ticks, left));
     tick();
   }
 }
 
-int Simulation::start(int limit) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+int Simulation::start(int limit, const std::function<void()>& interrupt) {
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   physics::attachOdeToThread();
   if (source_ != nullptr) {
@@ -293,6 +313,10 @@ int Simulation::start(int limit) {
     const ModelState& model = view().model;
     const bool waits = has_robot_ ? model.mode == Mode::kPedalUp : traitsOf(model.mode).follows_robot;
     if (model.tick > 0 && may_move && waits) return ticks;
+    if (ticks % kInterruptTicks == kInterruptTicks - 1) {
+      interrupt();
+      demandOpen();
+    }
     tick();
   }
   throw std::runtime_error("the arms are not ready after " + std::to_string(limit) + " ticks");
@@ -347,14 +371,14 @@ void Simulation::approach(Arm arm, const JointArray& joints, int left, console::
 }
 
 Snapshot Simulation::save() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   if (recording_) throw std::runtime_error("a recorded simulation cannot go back: save() needs one without output");
   return {{}, number_, jaws_, under_way_, arena_.copy()};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   if (snapshot.owner != number_) throw std::invalid_argument("the snapshot is another simulation's");
   jaws_ = snapshot.jaws;
@@ -364,7 +388,7 @@ void Simulation::restore(const Snapshot& snapshot) {
 }
 
 void Simulation::inject(const std::string& hazard) {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   FaultRequest request;
   request.order = FaultOrder::kArmAtOnce;
@@ -390,7 +414,7 @@ void Simulation::ask(const FaultRequest& request) {
 }
 
 void Simulation::clearHazards() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   FaultRequest request;
   request.order = FaultOrder::kClear;
@@ -399,7 +423,7 @@ void Simulation::clearHazards() {
 }
 
 void Simulation::close() {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   if (!end_trouble_.empty()) throw SessionException(end_trouble_);
   if (is_closed_) return;
   demandOpen();
@@ -414,7 +438,7 @@ void Simulation::close() {
 }
 
 PerArm<JointArray> Simulation::trueJoints() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
+  const std::lock_guard<std::recursive_mutex> lock(mutex_);
   return {stack_->trueJoints(Arm::kGold), stack_->trueJoints(Arm::kGreen)};
 }
 

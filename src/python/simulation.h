@@ -16,6 +16,7 @@
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/console/commanded_source.h"
 #include "raven2_trainer/lockstep/lockstep_stack.h"
+#include "raven2_trainer/render/picture_line.h"
 
 namespace raven2_trainer::python {
 
@@ -72,14 +73,17 @@ class Simulation : public Constructed {
   /** @throw std::invalid_argument for a motion that is too fast, and where a simulated surgeon has the hands. */
   void check(const StepCommand& command, int ticks) const;
 
-  /** Ticks of a command. @param[in] interrupt is called once a second of them, and may throw. @throw as check(). */
+  /** Ticks of a command. @param[in] interrupt is called once a second of them: it may use the simulation, close it too,
+   *  and throw. @throw as check(). */
   void step(
       const StepCommand& command,
       int ticks,
       const std::function<void()>& interrupt = [] {});
 
   /** Pedal up, until the arms wait for it. @return ticks. @throw std::runtime_error after `limit` ticks. */
-  int start(int limit);
+  int start(
+      int limit,
+      const std::function<void()>& interrupt = [] {});
 
   Snapshot save();
   /** @throw std::invalid_argument for another simulation's. */
@@ -94,13 +98,15 @@ class Simulation : public Constructed {
   bool isClosed() const noexcept { return is_closed_; }
 
   const lockstep::LockstepView& view() const noexcept { return stack_->view(); }
+  /** The states that the surgeon's picture shows, after faults of the video. While the caller has mutex(). */
+  render::Snapshot seen();
   const TrainerConfig& config() const noexcept { return config_; }
   const model::SceneModel& scene() const noexcept { return *scene_; }
   const model::RavenModel& raven() const noexcept { return *raven_; }
   /** [rad; m] true joints of the robot's plant. */
   PerArm<JointArray> trueJoints() const;
   std::uint64_t number() const noexcept { return number_; }
-  std::mutex& mutex() const noexcept { return mutex_; }
+  std::recursive_mutex& mutex() const noexcept { return mutex_; }
   /** [bytes] of a snapshot. */
   std::size_t stateSize() const noexcept { return arena_.used(); }
 
@@ -115,12 +121,13 @@ class Simulation : public Constructed {
   void build(const SimulationOptions& options);
   void destroyStack();
   void tick();
+  render::Snapshot passPicture();
   console::HandsCommand handsFor(const StepCommand& command, int ticks, int left);
   double graspFor(Arm arm, bool pedal) const;
   void approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const;
   Pose led(Arm arm) const;
 
-  mutable std::mutex mutex_;
+  mutable std::recursive_mutex mutex_;  // interrupt() may come back to this simulation
   const std::uint64_t number_;
   TrainerConfig config_;
   const Impairment link_;
@@ -131,6 +138,7 @@ class Simulation : public Constructed {
   std::unique_ptr<Recording> recording_;
   console::CommandedSource* source_{nullptr};  // owned by the stack; null: a simulated surgeon
   std::unique_ptr<lockstep::LockstepStack> stack_;
+  std::unique_ptr<render::PictureLine> pictures_;
   PerArm<std::optional<double>> jaws_{};  // [rad] commanded openings
   UnderWay under_way_;
   std::size_t asked_rows_{0};  // of hazards, since the last tick

@@ -7,6 +7,7 @@ import pickle
 import shutil
 import subprocess
 import sys
+import tempfile
 import threading
 
 import numpy as np
@@ -142,12 +143,26 @@ def test_many_side_by_side_are_as_each_alone():
     commands[:, 0, 2] = [1e-3, 2e-3, 3e-3]
     commands[:, :, 6] = 0.3
     many.step(commands, ticks=100)
-    assert many.tips.shape == (3, 2, 3)
+    assert many.tips.shape == many.tips_in_world.shape == (3, 2, 3) and many.dac.shape == (3, 2, 7)
+    assert many.mode == ["teleoperating"] * 3 and many.hazard.tolist() == [False] * 3 and many.exercise[2]["status"] == "waiting"
+    assert many.tick.tolist() == [simulation.state.tick for simulation in many.simulations]
     with raven2_trainer.Simulation(PICK, seed=8) as one:
         one.start()
         one.step(commands[1], ticks=100)
         assert np.array_equal(one.state.joints, many.joints[1])
     many.close()
+    with pytest.raises(AttributeError, match="no attribute 'joint'"):
+        many.joint  # pylint: disable=pointless-statement
+
+
+def test_many_record_each_in_its_folder(tmp_path):
+    with raven2_trainer.VectorSimulation(2, robot="none", seed=5, output=tmp_path / "all") as many:
+        many.step(ticks=20)
+    assert [raven2_trainer.Session(tmp_path / "all" / str(i)).meta["seed"] for i in range(2)] == [5, 6]
+    assert all(simulation.closed for simulation in many.simulations)
+    for n in (0, -1, 257, 2**70):
+        with pytest.raises(ValueError, match="expected 1 to 256"):
+            raven2_trainer.VectorSimulation(n)
 
 
 def test_without_a_robot_the_model_moves_alone():
@@ -436,6 +451,43 @@ simulation.step(ticks=5)
     assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
 
 
+def test_ctrl_c_ends_many_long_steps(tmp_path):
+    done = alone("""
+many = raven2_trainer.VectorSimulation(3, robot="none", threads=2)
+threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+try:
+    many.step(ticks=1000000)
+except KeyboardInterrupt:
+    print(bool((many.tick < 1000000).all()))
+many.step(ticks=5)
+""", tmp_path)
+    assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
+
+
+@pytest.mark.parametrize("ticks", [20, 1000000])
+def test_a_thread_that_steps_when_the_program_ends_does_not_abort_it(tmp_path, ticks):
+    done = alone("""
+simulation = raven2_trainer.Simulation(robot="none")
+threading.Thread(target=lambda: [simulation.step(ticks=int(sys.argv[1])) for _ in iter(int, 1)], daemon=True).start()
+time.sleep(0.3)
+print("ends")
+""", tmp_path, str(ticks))
+    assert (done.returncode, done.stdout, done.stderr) == (0, "ends\n", "")
+
+
+def test_a_signal_may_close_the_simulation_that_is_stepped(tmp_path):
+    done = alone("""
+simulation = raven2_trainer.Simulation(robot="none", output="session")
+signal.signal(signal.SIGALRM, lambda *_: simulation.close())
+signal.setitimer(signal.ITIMER_REAL, 0.5)
+try:
+    simulation.step(ticks=1000000)
+except RuntimeError as error:
+    print(error, simulation.closed, os.path.exists("session/metrics.json"))
+""", tmp_path)
+    assert (done.returncode, done.stdout) == (0, "the simulation is closed True True\n"), done.stderr
+
+
 def test_a_forked_process_leaves_the_recording_and_the_pictures_alone(tmp_path):
     done = alone("""
 simulation = raven2_trainer.Simulation(output="made")
@@ -580,10 +632,21 @@ def test_kinematics_agree_with_themselves_and_the_state(ready):
         assert (kinematics.forward("green", moved)[0] - p) / step == pytest.approx(J[:, :3, joint], abs=1e-4)
 
 
-@pytest.mark.parametrize("arguments", [("blue", np.zeros(7)), ("gold", np.zeros(6)), ("gold", "x"), ("gold", None)])
+@pytest.mark.parametrize("arguments", [("blue", np.zeros(7)), ("gold", np.zeros(6)), ("gold", "x"), ("gold", None),
+                                       ("green", [[0] * 7, [0] * 6 + [np.nan]]), ("gold", [np.inf] * 7)])
 def test_wrong_joints_are_refused(arguments):
-    with pytest.raises((ValueError, TypeError)):
-        raven2_trainer.Kinematics().forward(*arguments)
+    for function in (raven2_trainer.Kinematics().forward, raven2_trainer.Kinematics().jacobian):
+        with pytest.raises((ValueError, TypeError)):
+            function(*arguments)
+
+
+def test_a_reflection_has_no_joints(ready):
+    kinematics = raven2_trainer.Kinematics()
+    p, R = kinematics.forward("gold", ready.state.joints[0])
+    assert kinematics.inverse("gold", p, R)[1].any() and not kinematics.inverse("gold", p, R @ np.diag([1, 1, -1]))[1].any()
+    for place, rotation, opening in ((p * np.nan, R, 0), (p, R * np.inf, 0), (p, R, 1e300), (p, R, np.nan)):
+        with pytest.raises(ValueError):
+            kinematics.inverse("gold", place, rotation, opening)
 
 
 def test_places_and_rotations_of_other_shapes_are_refused():
@@ -598,6 +661,34 @@ def test_a_picture_shows_the_motion_of_a_tool(ready):
     ready.step({"gold": {"move": [0.01, 0, 0]}}, ticks=400)
     assert np.abs(ready.render("endoscope", 320, 240).astype(int) - first).max() > 50
     assert {"overview", "endoscope", "top"} <= set(ready.cameras)
+
+
+def test_pictures_show_what_a_hazard_of_the_video_does():
+    with raven2_trainer.Simulation(PICK) as simulation:
+        simulation.start()
+        clear = simulation.render("endoscope", 80, 60)
+        simulation.inject("video_loss")
+        simulation.step(ticks=100)
+        assert simulation.state.hazard and not simulation.render("endoscope", 80, 60).any() and not simulation.render("top", 80, 60).any()
+        simulation.clear_hazards()
+        simulation.step(ticks=100)
+        assert np.abs(simulation.render("endoscope", 80, 60).astype(int) - clear).max() < 100
+        simulation.inject("video_freeze")
+        simulation.step(ticks=50)
+        frozen, before = simulation.render("endoscope", 80, 60), simulation.save()
+        simulation.step({"gold": {"move": [0, 0, 0.02]}}, ticks=400)
+        assert np.array_equal(simulation.render("endoscope", 80, 60), frozen)
+        simulation.clear_hazards()
+        simulation.step(ticks=100)
+        assert not np.array_equal(simulation.render("endoscope", 80, 60), frozen), "the tool has moved"
+        simulation.restore(before)
+        assert np.array_equal(simulation.render("endoscope", 80, 60), frozen), "a snapshot has the frozen picture"
+
+
+def test_help_has_the_stubs_texts():
+    assert raven2_trainer.State.joints.__doc__.startswith("(2, 7) [rad; m")
+    for function in (raven2_trainer.Simulation.step, raven2_trainer.Simulation.render, raven2_trainer.Kinematics.forward, raven2_trainer.Planner.plan):
+        assert "[m]" in function.__doc__ or "(height, width, 3)" in function.__doc__, function
 
 
 @pytest.mark.parametrize("arguments, says", [(("endoscop",), "endoscop"), (("top", 0, 10), "expected 1 to 4096"), (("top", 10, 5000), "expected 1 to 4096")])
@@ -754,8 +845,13 @@ def test_a_session_is_read_as_arrays(tmp_path):
         while simulation.state.session_tick < 300:
             simulation.step(ticks=10)
         last = simulation.state.joints.copy()
-    ticks = raven2_trainer.Session(str(tmp_path / "session")).log.ticks
+    session = raven2_trainer.Session(str(tmp_path / "session"))
+    ticks = session.log.ticks
     assert np.array_equal(ticks["model"]["arms"]["q"][-1], last)
+    table = session.table()
+    assert [table[f"model.arms.1.q.{joint}"][-1] for joint in range(7)] == last[1].tolist()
+    assert all(column.shape == ticks.shape and column.dtype.names is None for column in table.values())
+    assert len(session.table("commands")["command.sequence"]) == len(session.log.commands) > 0
 
 
 def test_a_campaign_is_defined_run_and_read(tmp_path):
@@ -774,6 +870,10 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
         with pytest.raises(RuntimeError, match="holds a campaign|no campaign|no_such"):
             other.run(tmp_path / "out", seed=99)
     assert [path.name for path in tmp_path.iterdir()] == ["out"], "nothing is left next to it"
+    elsewhere = raven2_trainer.Campaign({"name": "../elsewhere", "cpu_limit": np.int64(3)})
+    with pytest.raises(RuntimeError, match="title"):
+        elsewhere.run(tmp_path / "none")
+    assert not list(pathlib.Path(tempfile.gettempdir()).glob("elsewhere*"))
     with pytest.raises(RuntimeError, match="no campaign|nowhere"):
         raven2_trainer.Campaign("nowhere").run(tmp_path / "none")
 
