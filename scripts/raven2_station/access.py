@@ -12,7 +12,6 @@ import sys
 import time
 from urllib.parse import urlsplit
 
-COOKIE = "raven2_station"
 LIFETIME = 12 * 3600  # [s] of a login
 TRIES = 5             # wrong passwords, from all addresses together, in
 TRIES_IN = 60.0       # [s]
@@ -20,6 +19,11 @@ LOCAL_NAMES = {"localhost", "127.0.0.1", "::1"}
 
 
 SCRYPT = {"n": 1 << 15, "r": 8, "p": 1, "maxmem": 1 << 26}  # RFC 7914; some 0.1 s
+
+
+def cookie_name(port):
+    """Browsers send a cookie to all ports of a host: each station needs a different name."""
+    return f"raven2_station_{port}"
 
 
 def make_hash(password):
@@ -99,7 +103,7 @@ class Access:
         return token
 
     def knows(self, token):
-        if not token:
+        if not token or not token.isascii():
             return False
         until = 0.0
         for known, end in self._logins.items():  # all of them: the time taken says nothing

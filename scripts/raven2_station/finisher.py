@@ -9,6 +9,7 @@ import signal
 
 PATIENCE = 15.0  # [s] for reports when the station ends
 PERCENT = re.compile(rb"(\d+) ?%")
+CONTROL = re.compile(rb"\x1b\[[0-9;]*[A-Za-z]")  # of a terminal
 
 
 class Finisher:
@@ -62,27 +63,52 @@ class Finisher:
                 if self._ends and what == "video":
                     return
                 self._changed(name, what, 0.0, "")
-                process = await asyncio.create_subprocess_exec(
-                    "nice", "-n", "19", *command, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
-                    stderr=asyncio.subprocess.PIPE, start_new_session=True)
-                self._running[what] = process
-                if self._ends and what == "video":  # meanwhile
-                    self._stop(what)
-                last = b""
-                while True:
-                    data = await process.stderr.read(4096)
-                    if not data:
-                        break
-                    last = (last + data)[-2000:]
-                    found = PERCENT.findall(data)
-                    if found:
-                        self._changed(name, what, min(0.99, int(found[-1]) / 100), "")
-                code = await process.wait()
-                del self._running[what]
-                lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
-                self._changed(name, what, 1.0 if code == 0 else None, "" if code == 0 else (lines or ["it failed"])[-1][:200])
+                code, reason = await self._work(what, command, lambda share: self._changed(name, what, share, ""))
+                self._changed(name, what, 1.0 if code == 0 else None, "" if code == 0 else reason)
+                if what == "video" and code == 0 and not self._ends:
+                    self.report(pathlib.Path(command[-1]))  # with the video's pictures
         finally:
             self._wanted.discard(key)
             if key in self._again:
                 self._again.discard(key)
                 self._begin(pathlib.Path(command[-1]), what, command)
+
+    async def _work(self, what, command, report_share):
+        """@return (exit status, the last line of stderr)."""
+        terminal, end = os.openpty()  # to a pipe, programs write only every 25 %
+        try:
+            process = await asyncio.create_subprocess_exec(
+                "nice", "-n", "19", *command, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.DEVNULL,
+                stderr=end, start_new_session=True)
+        except BaseException:
+            os.close(terminal)
+            raise
+        finally:
+            os.close(end)
+        self._running[what] = process
+        if self._ends and what == "video":  # meanwhile
+            self._stop(what)
+        last = await _follow(terminal, report_share)
+        code = await process.wait()
+        del self._running[what]
+        lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
+        return code, (lines or ["it failed"])[-1].strip()[:200]
+
+
+async def _follow(terminal, report_share):
+    """Reads until the program has closed its end. @return the last that it wrote."""
+    reader, loop = asyncio.StreamReader(), asyncio.get_running_loop()
+    transport, _ = await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), os.fdopen(terminal, "rb", 0))
+    last, shown = b"", b""
+    try:
+        while data := await reader.read(4096):
+            last = (last + data)[-2000:]
+            found = PERCENT.findall(last)
+            if found and found[-1] != shown:
+                shown = found[-1]
+                report_share(min(0.99, int(shown) / 100))
+    except OSError:  # EIO: the end of a terminal
+        pass
+    finally:
+        transport.close()
+    return CONTROL.sub(b"", last)

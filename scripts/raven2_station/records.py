@@ -1,8 +1,10 @@
 """Sessions on disk: their list, verdicts, a trainee's history, the class. Reads the files of doc/session.md; judges nothing itself."""
 
 import csv
+import fcntl
 import io
 import json
+import os
 import pathlib
 import re
 import shutil
@@ -36,6 +38,14 @@ def _dicts(value):
 
 def _text(value):
     return value if isinstance(value, str) else ""
+
+
+def _exercise_of_log(path):
+    import raven2_session  # numpy: only here
+    try:
+        return _text(raven2_session.read_header(path).get("exercise"))
+    except raven2_session.SessionError:
+        return ""
 
 
 def _is_number(value):
@@ -98,10 +108,35 @@ class Records:
         verdict = _dict(report.get("verdict"))
         improve = [{"what": i.get("what", ""), "how": i.get("how", "")} for i in report.get("improve") or [] if isinstance(i, dict)]
         return {"name": name, "headline": verdict.get("headline", "No report yet"), "passed": verdict.get("passed"),
-                "reasons": verdict.get("reasons", []), "improve": improve[:3], "summary": report.get("summary", "")}
+                "reasons": verdict.get("reasons", []), "improve": improve[:3], "summary": report.get("summary", ""),
+                "video": (self.directory(name) / "video.mp4").is_file()}
+
+    def exercise(self, name):
+        """Of the report; of a session without one, of its log. @return "none" for a free session, or if neither can be read."""
+        path = self.directory(name)
+        found = _dict(_dict(_json(path / "report.json")).get("session")).get("exercise")
+        return _text(found) or _exercise_of_log(path / "session.rlog") or "none"
 
     def delete(self, name):
+        """The files first: on a full disk the index cannot be written before they are gone."""
         shutil.rmtree(self.directory(name))
+        self._forget(name)
+
+    def _forget(self, name):
+        """Its attempts count no longer. Lock and exchange of the file are those of src/training/session_index.cpp."""
+        path = self.folder / "index.json"
+        if not path.is_file():
+            return
+        with open(f"{path}.lock", "a", encoding="utf-8") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            index = _dict(_json(path))
+            entries = index.get("sessions")
+            kept = [e for e in entries if _dict(e).get("directory") != name] if isinstance(entries, list) else entries
+            if kept == entries:
+                return
+            part = pathlib.Path(f"{path}.part")
+            part.write_text(json.dumps({**index, "sessions": kept}, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+            os.replace(part, path)
 
     # ---- trainees
 

@@ -3,6 +3,7 @@
 import asyncio
 import json
 import pathlib
+import signal
 import ssl
 
 from aiohttp import WSMsgType, web
@@ -21,6 +22,7 @@ STATIC = {p.name: kind for suffix, kind in ((".js", "text/javascript"), (".css",
 LARGEST_MESSAGE = 16 << 10  # [bytes] of a WebSocket message
 LARGEST_BODY = 4 << 10      # [bytes] of a login
 MOST_CLIENTS = 64
+CLOSE_LIMIT = 1.0           # [s] for the pages to answer when the station closes their connections
 HEADERS = {
     "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
                                "connect-src 'self'; media-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
@@ -33,6 +35,7 @@ REPORT_POLICY = ("sandbox allow-scripts allow-popups; default-src 'none'; script
 
 STATION = web.AppKey("station", Station) if hasattr(web, "AppKey") else "station"
 ACCESS = "access"
+COOKIE = "cookie"
 LOCAL = "local"
 
 
@@ -55,11 +58,13 @@ async def guard(request, handler):
 
 
 def has_login(request):
-    return request.app[ACCESS].knows(request.cookies.get(access.COOKIE))
+    return request.app[ACCESS].knows(request.cookies.get(request.app[COOKIE]))
 
 
 def give_cookie(request, response):
-    response.set_cookie(access.COOKIE, request.app[ACCESS].login(), max_age=access.LIFETIME, httponly=True, samesite="Strict",
+    """Lax, not Strict: a report is in a sandbox, so a browser takes its link to the video for a link of another site. Lax sends the
+    cookie with a GET that opens a page, and a GET changes nothing here."""
+    response.set_cookie(request.app[COOKIE], request.app[ACCESS].login(), max_age=access.LIFETIME, httponly=True, samesite="Lax",
                         secure=request.secure, path="/")
     return response
 
@@ -140,8 +145,8 @@ async def websocket(request):
     request.app["numbers"] += 1
     client = clients.Client(socket, role, request.app["numbers"], request.transport)
     writer = asyncio.ensure_future(client.write())
-    station.join(client)
     try:
+        await station.join(client)
         await listen(station, client, socket)
     finally:
         station.part(client)
@@ -214,12 +219,13 @@ def make_station(options, logs):
 
 def make_app(options):
     """@param options: share, programs, scripts, sessions (folders), config (root file of the user's own configuration, or ""),
-    robot (address or ""), password_hash, local (bool)."""
+    robot (address or ""), password_hash, local (bool), port."""
     logs = pathlib.Path(options.sessions) / "station_logs"
     station = make_station(options, logs)
     app = web.Application(middlewares=[guard], client_max_size=LARGEST_BODY)
     app[STATION], app[LOCAL], app["numbers"] = station, options.local, 0
     app[ACCESS] = access.Access(options.password_hash, logs / "logins.json")
+    app[COOKIE] = access.cookie_name(options.port)
     app.add_routes([web.get("/", page("instructor.html")), web.get("/trainee", page("trainee.html")), web.post("/login", login),
                     web.get("/static/{name}", static), web.get("/sessions/{session}/{file}", session_file),
                     web.get("/class.csv", class_table), web.get("/ws", websocket)])
@@ -229,11 +235,13 @@ def make_app(options):
         app["tasks"] = [asyncio.ensure_future(station.link.run()), asyncio.ensure_future(station.run())]
 
     async def end(_):
-        for client in list(station.clients.values()):
-            await client.socket.close(code=1001, message=b"the station ends")
+        ignore_signals()
+        if station.supervisor.is_running:
+            print("station: ends the session: wait for its programs", flush=True)
         if station.driving:
             station.stop_driving()
         await station.supervisor.close()
+        await close_pages(station)
         await station.finisher.end()
         for task in app["tasks"]:
             task.cancel()
@@ -242,6 +250,19 @@ def make_app(options):
     app.on_startup.append(begin)
     app.on_shutdown.append(end)
     return app
+
+
+def ignore_signals():
+    """A second Ctrl-C, or the SIGTERM of roslaunch, would leave the session's programs running."""
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, lambda: None)
+
+
+async def close_pages(station):
+    closing = [asyncio.ensure_future(client.socket.close(code=1001, message=b"the station ends"))
+               for client in station.clients.values()]
+    if closing:
+        await asyncio.wait(closing, timeout=CLOSE_LIMIT)
 
 
 def tls(certificate, key):

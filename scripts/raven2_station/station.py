@@ -2,6 +2,7 @@
 
 import asyncio
 import collections
+import contextlib
 import time
 
 from . import hands, words
@@ -41,11 +42,12 @@ class Station:
 
     # ---- pages
 
-    def join(self, client):
+    async def join(self, client):
+        trainees = await asyncio.to_thread(self.records.trainees) if client.role == "instructor" else []
         self.clients[client.number] = client
         client.send({"t": "hello", "role": client.role, "number": client.number})
         if client.role == "instructor":
-            client.send({"t": "library", **self.known.describe(), "trainees": self.records.trainees()})
+            client.send({"t": "library", **self.known.describe(), "trainees": trainees})
         else:
             client.send({"t": "library", **{key: {e["name"]: e[key] for e in self.known.exercises} for key in ("steps", "tracks")}})
         for kind in ("mode", "exercise", "plan", "session"):
@@ -227,14 +229,16 @@ class Station:
         arm = given.get("arm", "")
         if arm not in ("", "gold", "green"):
             raise Refused("the arm is gold or green")
-        return await self.link.call("plan", {"arm": arm, "default_goal": True}, limit=60.0)
+        done, text, more = await self.link.call("plan", {"arm": arm, "default_goal": True}, limit=60.0)
+        return done, words.answer("plan", text), more
 
     async def _do_execute(self, given, _):
         done, text, more = await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
         return done, words.answer("execute", text), more
 
     async def _do_cancel_plan(self, _, __):
-        return await self.link.call("cancel_plan")
+        done, text, more = await self.link.call("cancel_plan")
+        return done, words.answer("cancel-plan", text), more
 
     async def _do_take_hands(self, given, _):
         self.hands_away = given.get("away") is not False
@@ -284,11 +288,11 @@ class Station:
         skip = given.get("skip", 0)
         if not isinstance(skip, int) or isinstance(skip, bool) or skip < 0:
             raise Refused("skip is a whole number from 0")
-        sessions = await asyncio.to_thread(self.records.list, skip)
-        return True, "", {"sessions": sessions, "count": len(self.records.names()), "trainees": self.records.trainees()}
+        return True, "", await asyncio.to_thread(lambda: {
+            "sessions": self.records.list(skip), "count": len(self.records.names()), "trainees": self.records.trainees()})
 
     async def _do_verdict(self, given, _):
-        return True, "", self.records.verdict(given.get("session"))
+        return True, "", await asyncio.to_thread(self.records.verdict, given.get("session"))
 
     async def _do_report(self, given, _):
         self._refuse_running(given.get("session"))
@@ -304,31 +308,45 @@ class Station:
         """In the running session; without one, the programs are started in the same scene, and no session is kept of that."""
         directory = self.records.directory(given.get("session"))
         self._refuse_running(directory.name)
-        if self.supervisor.phase == "idle" and not self.is_foreign:
-            exercise = self.records.summary(directory.name)["exercise"]
-            await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"},
-                                        replay=True)
-            until = time.monotonic() + REPLAY_START
-            while self.supervisor.is_running and self.newest.get("mode", {}).get("mode") != "pedal_up" and time.monotonic() < until:
-                await asyncio.sleep(0.1)
+        starts = self.supervisor.phase == "idle" and not self.is_foreign
+        if starts:
+            await self._start_replay(directory.name)
         ok, text, more = await self.link.call("begin_replay", {"session": str(directory)})
-        return ok, "The picture shows the recorded session." if ok else f"it cannot be shown now: {text}", more
+        if ok:
+            return True, "The picture shows the recorded session.", more
+        if starts and self.supervisor.is_replay:  # no session that somebody has started meanwhile
+            with contextlib.suppress(Refused):
+                await self.supervisor.end()
+        why = (starts and self.supervisor.trouble) or words.answer("replay", text)
+        return False, f"The session is not shown. {words.sentence(why)}", more
+
+    async def _start_replay(self, name):
+        exercise = await asyncio.to_thread(self.records.exercise, name)
+        await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"},
+                                    replay=True)
+        until = time.monotonic() + REPLAY_START
+        while self.supervisor.is_running and self.newest.get("mode", {}).get("mode") != "pedal_up" and time.monotonic() < until:
+            await asyncio.sleep(0.1)
 
     async def _do_delete(self, given, _):
-        name = given.get("session")
+        name = self.records.directory(given.get("session")).name
         self._refuse_running(name)
         if self.finisher.is_busy(name):
             raise Refused("its report or video is being written: wait for it")
         if given.get("sure") is not True:
             raise Refused("deleting needs a confirmation")
-        await asyncio.to_thread(self.records.delete, name)
+        try:
+            await asyncio.to_thread(self.records.delete, name)
+        except OSError as error:
+            raise Refused(f"the session is not deleted completely: {error.strerror}") from error
         return True, "Deleted.", {}
 
     async def _do_history(self, given, _):
         trainee = given.get("trainee")
-        if trainee not in self.records.trainees():
+        attempts = await asyncio.to_thread(self.records.history, trainee)
+        if not attempts and trainee not in await asyncio.to_thread(self.records.trainees):
             raise Refused("this trainee has no session yet")
-        return True, "", {"trainee": trainee, "attempts": self.records.history(trainee)}
+        return True, "", {"trainee": trainee, "attempts": attempts}
 
     async def _do_class(self, given, _):
         curriculum = self.known.curriculum(given.get("curriculum"))

@@ -5,6 +5,7 @@ and start times, so that a number of another process is not mistaken for ours.
 """
 
 import asyncio
+import contextlib
 import json
 import os
 import pathlib
@@ -27,7 +28,7 @@ DRIVERS = r"browser|scripted|expert|clumsy:[a-z0-9_]+|master:[A-Za-z0-9_]+"
 
 
 class Refused(Exception):
-    """A request that cannot be served. The text is a sentence for the user; nothing has changed."""
+    """A request that cannot be served. The text is a sentence for the user; nothing has changed, or the text says so."""
 
 
 def free_port(kind, preferred, taken):
@@ -156,9 +157,7 @@ class Supervisor:
     async def start(self, given, replay=False):
         """@return the session directory. @throw Refused."""
         async with self._lock:
-            choice = Choice(self._with_stage(given), self._known)
-            if self._closed:
-                raise Refused("the station ends")
+            choice = await self._check(given)
             if self.phase != "idle":
                 raise Refused("a session is running: stop it first")
             self.phase, self.trouble, self._choice = "starting", "", choice
@@ -195,11 +194,25 @@ class Supervisor:
         choice = self._kept_choice
         if choice is None:
             raise Refused("no session has been started yet")
-        if self.is_running:
+        wanted = {**choice.as_dict(), "seed": -1}
+        if not self.is_running:
+            return await self.start(wanted)
+        await self._check(wanted)
+        with contextlib.suppress(Refused):  # it has ended meanwhile
             await self.end()
-        return await self.start({**choice.as_dict(), "seed": -1})
+        try:
+            return await self.start(wanted)
+        except Refused as reason:  # for example, this attempt was the last of its curriculum
+            raise Refused(f"The session has ended. The next attempt did not start: {reason}") from reason
 
     # ---- starting
+
+    async def _check(self, given):
+        """@return the Choice. @throw Refused."""
+        choice = Choice(await asyncio.to_thread(self._with_stage, given), self._known)
+        if self._closed:
+            raise Refused("the station ends")
+        return choice
 
     def _with_stage(self, given):
         """A curriculum chooses exercise and hazard: those of the trainee's stage."""
@@ -254,7 +267,7 @@ class Supervisor:
                                           "--udp", f"{sight}:127.0.0.1:{far_sight}", "--profile", self._profile(choice.link),
                                           "--seed", str(choice.seed)])
         await self._launch("master_console", [*self._hands(choice), *common, *far])
-        where = ["--robot-host", self._robot] if self._robot else []
+        where = ["--robot-host", self._robot, "--strict"] if self._robot else []  # as launch/hardware.launch
         await self._launch("simulator", ["--duration", "0", "--output", str(self._directory), "--motion-label", choice.driver,
                                          *where, *common, *ports])
         await self._await_log()

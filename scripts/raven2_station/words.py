@@ -17,8 +17,25 @@ FAILURES = {"time_limit": "the time limit is over", "broke_off": "a tower broke 
 MISTAKES = {"wire_touch": "wire touched", "collision": "collision", "drop": "dropped", "out_of_order": "wrong order",
             "wrong_arm": "wrong arm", "break_off": "tower broken off"}
 
-ANSWERS = {"accepted": "Done.", "no_plan": "There is no plan: press Plan first.",
-           "not_now": "Not possible now. Wait until the arms rest and the pedal is up."}
+_SILENT = "The trainer did not answer. Try again."
+PLANNING_ANSWERS = {
+    "none": _SILENT, "accepted": "Done.", "not_now": "Not possible now. Wait until the arms rest and the pedal is up.",
+    "no_plan": "There is no plan: press Plan first.", "moved": "An arm has moved since the plan was made: press Plan again.",
+    "no_robot": "The robot is not homed, not connected or disengaged. Wait until it is ready, then try again.",
+    "robot_cannot_follow": "The robot's own inverse kinematics would leave the path. Move the arm, then press Plan again."}
+PLAN_STATUSES = {
+    "none": _SILENT, "success": "The plan is ready: press Execute.",
+    "start_in_collision": "No plan: the arm touches something. Move it away, then press Plan again.",
+    "goal_unreachable": "No plan: the arm cannot reach the goal of planner.yaml.",
+    "goal_in_collision": "No plan: at the goal the arm would touch something.",
+    "no_path": "No plan: the planner found no free path. Move the arm, then press Plan again.",
+    "cancelled": "The plan was cancelled by Cancel, by the pedal or by a newer plan.",
+    "dynamics_infeasible": "No plan: on each path the simulated arm touches something or lags too far.",
+    "time_limit": "No plan within the time limit. Move the arm, then press Plan again.",
+    "invalid_start": "No plan: a joint of the arm is outside its limits. Move the arm, then press Plan again.",
+    "failed": "No plan: the planner has an error. Its message is in station_logs/simulator.log."}
+ANSWERS = {**PLAN_STATUSES, **PLANNING_ANSWERS, "no answer": _SILENT,
+           "accepted; the planner is still ending": "Done. The planner needs a moment to end."}
 CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper": "drops things",
           "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
 STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, only the next attempt helps."
@@ -63,6 +80,11 @@ def mode(name):
 def answer(asked, text):
     """The trainer's one word as a sentence."""
     return CLEAR_FIRST if (asked, text) == ("clear-stop", "not_now") else ANSWERS.get(text, text)
+
+
+def sentence(text):
+    """With a capital and a full stop."""
+    return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")
 
 
 def mistake(name):

@@ -1,6 +1,9 @@
 """Parts of the station that need neither ROS nor a network: hands, choices, session files, access, messages, words."""
 
 import asyncio
+import contextlib
+import fcntl
+import http.client
 import json
 import math
 import os
@@ -9,10 +12,13 @@ import random
 import re
 import shutil
 import signal
+import socket
 import subprocess
 import sys
+import threading
 import time
 import types
+import zlib
 
 import psutil
 import pytest
@@ -20,7 +26,8 @@ import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, supervisor, wire, words  # noqa: E402
+import raven2_session  # noqa: E402
+from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, server, supervisor, wire, words  # noqa: E402
 from raven2_station import station as station_module  # noqa: E402
 
 
@@ -97,7 +104,7 @@ def test_what_is_late_of_either_hand_does_not_come_after_the_pedal():
         assert device.arms[arm].position[0] == before, arm
 
 
-def test_rotations_are_about_the_axes_of_the_desk_whichever_way_the_hand_is_turned():
+def test_rotations_are_about_the_axes_of_the_table_in_any_pose_of_the_hand():
     device = hands.Hands()
     device.apply(motion(), 0.0)
     device.apply(motion(turn=(0.8, 0, 0)), 0.1)
@@ -144,6 +151,17 @@ def test_the_camera_key_alone_moves_the_camera_and_never_the_arms():
 def test_answers_are_sentences():
     assert words.answer("pause", "accepted") == "Done." and "pedal is up" in words.answer("clear-stop", "not_now")
     assert words.answer("inject", "the hazard acts") == "the hazard acts"
+    assert words.sentence("the trainer is not running") == "The trainer is not running." and words.sentence("Done.") == "Done."
+
+
+@pytest.mark.parametrize("header, array, sentences", [
+    ("state.h", "kPlanningAnswerNames", words.PLANNING_ANSWERS), ("command.h", "kPlanStatusNames", words.PLAN_STATUSES)])
+def test_each_answer_of_the_trainer_has_a_sentence(header, array, sentences):
+    text = (ROOT / "include/raven2_trainer/core" / header).read_text()
+    names = re.findall(r'"(\w+)"', text.split(array + "{")[1].split("}")[0])
+    assert len(names) > 5 and set(names) == set(sentences)
+    for name in [*names, "no answer", "accepted; the planner is still ending"]:
+        assert re.fullmatch(r"[A-Z].*\.", words.answer("plan", name)), name
 
 
 def test_the_steps_of_each_track_are_counted(known):
@@ -312,6 +330,48 @@ def test_a_replay_is_no_session_and_the_next_attempt_is_of_the_one_before(known,
         await made.end()
 
     asyncio.run(sessions())
+
+
+def test_the_next_attempt_that_cannot_start_leaves_the_session_or_says_that_it_has_ended(known, tmp_path):
+    made = supervised(tmp_path, known, PROGRAM)
+    stages = curriculum.stages_of(known.curriculum("frs_basics"))
+    has_passed = [False]
+    made._progress = lambda trainee, chosen: (stages, len(stages) if has_passed[0] else 0)
+
+    async def attempts():
+        await made.start({"trainee": "ann", "curriculum": "frs_basics", "driver": "browser"})
+        has_passed[0] = True
+        with pytest.raises(supervisor.Refused, match="^ann has done all stages"):
+            await made.next()
+        assert made.phase == "running", "nothing has changed"
+        has_passed[0] = False
+        (tmp_path / "programs/virtual_raven").write_text("#!/bin/false\n")
+        with pytest.raises(supervisor.Refused, match="^The session has ended. The next attempt did not start: virtual_raven"):
+            await made.next()
+        assert made.phase == "idle"
+        with pytest.raises(supervisor.Refused, match="^virtual_raven"):
+            await made.next()
+
+    asyncio.run(attempts())
+
+
+@pytest.mark.parametrize("robot", ["", "192.168.0.102"])
+def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
+    """As launch/hardware.launch starts it."""
+    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None, lambda *_: ([], 0), robot=robot)
+    launched = {}
+
+    async def launch(name, arguments):
+        launched[name] = arguments
+
+    async def await_log():
+        pass
+
+    boss._launch, boss._await_log = launch, await_log
+    asyncio.run(boss._start(supervisor.Choice({}, known)))
+    assert ("virtual_raven" in launched) == (not robot)
+    assert ("--strict" in launched["simulator"]) == bool(robot)
+    assert '<arg name="strict" default="true"' in (ROOT / "launch/hardware.launch").read_text()
 
 
 def test_a_session_starts_and_ends_on_a_full_disk(known, tmp_path, capsys):
@@ -516,6 +576,41 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
     asyncio.run(run())
 
 
+# As ProgressBar (src/apps/common/command_line.cpp): a bar on a terminal, a line every 25 % elsewhere.
+RENDERER = """#!/usr/bin/python3
+import sys, time
+for percent in range(0, 100, 10):
+    if sys.stderr.isatty():
+        sys.stderr.write(f"\\rrender [##..] {percent:3d} % 1 min 20 s left\\033[K")
+    elif percent % 50 == 0:
+        sys.stderr.write(f"render {percent} %\\n")
+    sys.stderr.flush()
+    time.sleep(0.03)
+sys.stderr.write("\\rrender: over\\033[K\\n")
+if STATUS:
+    sys.exit("\\033[1mno ffmpeg\\033[0m")
+"""
+
+
+@pytest.mark.parametrize("status", [0, 1])
+def test_a_video_shows_its_progress_and_is_in_the_report_afterwards(tmp_path, status):
+    async def run():
+        work, texts = Finishing(tmp_path), []
+        (tmp_path / "render_session").write_text(RENDERER.replace("STATUS", str(status)))
+        work.finisher = finisher.Finisher(tmp_path, tmp_path, lambda *change: (work.said.append(change[1:3]), texts.append(change[3])))
+        await work.finisher.video(work.session)
+        shares = [share for what, share in work.said if what == "video"]
+        assert len({share for share in shares if share and share < 1.0}) >= 6, shares
+        assert shares[-1] == (None if status else 1.0)
+        assert not status or "no ffmpeg" in texts
+        assert work.finisher.is_busy("session") == (not status)
+        while not status and ("report", 1.0) not in work.said:
+            await asyncio.sleep(0.05)
+        assert (work.session / "report.html").is_file() == (not status)
+
+    asyncio.run(asyncio.wait_for(run(), 30))
+
+
 def test_a_curriculum_chooses_exercise_and_hazard(known, tmp_path):
     asked = {"trainee": "ann", "curriculum": "frs_basics", "seed": 3, "when": "instructor", "driver": "expert"}
     stages = curriculum.stages_of(known.curriculum("frs_basics"))
@@ -684,6 +779,48 @@ def test_deleting_takes_the_whole_directory_and_nothing_else(folder):
     assert [s["name"] for s in store.list()] == ["2026-01-02T10-00-00Z_ann"] and (folder / "other").exists()
 
 
+def test_a_deleted_session_counts_no_longer(folder):
+    """The index is locked and exchanged as score_session does it."""
+    (folder / "s1").mkdir()
+    (folder / "s1" / "session.rlog").write_bytes(b"x")
+    store = records.Records(folder)
+    before = json.loads((folder / "index.json").read_text())
+    with open(folder / "index.json.lock", "w", encoding="utf-8") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        deleting = threading.Thread(target=store.delete, args=("s1",))
+        deleting.start()
+        deleting.join(0.2)
+        assert deleting.is_alive() and json.loads((folder / "index.json").read_text()) == before, "another program writes the index"
+    deleting.join(10)
+    assert [a["session"] for a in store.history("ann")] == ["s0", "s3"] and store.the_class(STAGES)[0]["sessions"] == 2
+    assert json.loads((folder / "index.json").read_text()) == {"version": 1, "sessions": [before["sessions"][i] for i in (0, 2, 3)]}
+    inode = (folder / "index.json").stat().st_ino
+    store.delete("2026-01-01T10-00-00Z_ann")  # a guest's
+    assert (folder / "index.json").stat().st_ino == inode and not (folder / "index.json.part").exists()
+
+
+def log_of(exercise):
+    header = json.dumps({"format": raven2_session.FORMAT_NAME, "format_version": 1, "exercise": exercise}).encode()
+    record = raven2_session.FRAME.pack(raven2_session.MAGIC, 0, 1, len(header), 0) + header
+    return record + raven2_session.CRC.pack(zlib.crc32(record))
+
+
+def test_the_exercise_of_a_session_without_a_report_is_that_of_its_log(folder):
+    store, name = records.Records(folder), "2026-01-01T10-00-00Z_ann"
+    assert store.exercise(name) == "peg_transfer"
+    (folder / name / "report.json").unlink()
+    assert store.exercise(name) == "none", "the log has no header"
+    (folder / name / "session.rlog").write_bytes(log_of("camera_clutch"))
+    assert store.exercise(name) == "camera_clutch"
+
+
+def test_a_verdict_says_whether_there_is_a_video(folder):
+    store, name = records.Records(folder), "2026-01-01T10-00-00Z_ann"
+    assert store.verdict(name)["video"] is False
+    (folder / name / "video.mp4").touch()
+    assert store.verdict(name)["video"] is True
+
+
 # ---- access
 
 
@@ -695,6 +832,7 @@ def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypat
     assert access.Access(None, tmp_path / "logins.json").knows(token)
     (tmp_path / "logins.json").chmod(0o644)
     assert not access.Access(None, tmp_path / "logins.json").knows(token), "others could have written it"
+    assert not door.knows("\udcff") and not door.knows("\u00fc"), "a header may have any bytes"
     now = access.time.time()
     monkeypatch.setattr(access.time, "time", lambda: now + access.LIFETIME + 1)
     assert not door.knows(token)
@@ -799,7 +937,69 @@ def test_the_real_camera_is_shown_only_if_pictures_come(said, asked):
     assert calls == [("set_view", {"data": True})] * asked + [("set_view", {"data": False})]
 
 
-def test_a_stop_is_named_beside_the_mode():
+class Sessions:
+    """Records that a page may not wait for: each call must be in a thread of its pool."""
+
+    def __init__(self, folder, exercise="camera_clutch"):
+        self.folder, self.called = folder, []
+        self.answers = {"names": ["s1"], "trainees": ["ann"], "history": [], "verdict": {}, "list": [], "exercise": exercise}
+
+    def directory(self, name):
+        if name != "s1":
+            raise KeyError(name)
+        return self.folder / name
+
+    def __getattr__(self, name):
+        def call(*_):
+            assert threading.current_thread() is not threading.main_thread(), f"{name} holds the hands up"
+            self.called.append(name)
+            return self.answers[name]
+        return call
+
+
+def test_long_lists_do_not_hold_the_hands_up(tmp_path):
+    async def requests():
+        station = station_module.Station(types.SimpleNamespace(describe=dict, exercises=[]), Sessions(tmp_path))
+        station.supervisor = types.SimpleNamespace(phase="idle", ended_at=0.0, is_running=False, state=lambda: {"choice": None}, trouble="")
+        station.link = types.SimpleNamespace(is_up=True, is_taken=False)
+        await station.join(types.SimpleNamespace(role="instructor", number=1, send=lambda _: None))
+        for what, given in (("sessions", {}), ("verdict", {"session": "s1"}), ("history", {"trainee": "ann"})):
+            assert (await station.do(what, given))[0], what
+        assert set(station.records.called) == {"trainees", "names", "list", "verdict", "history"}
+
+    asyncio.run(requests())
+
+
+@pytest.mark.parametrize("name", [None, [], {}, ["s1"], 3, "../s1"])
+def test_deleting_needs_a_sessions_name(tmp_path, name):
+    station = station_module.Station(None, Sessions(tmp_path))
+    assert asyncio.run(station.do("delete", {"session": name, "sure": True})) == (False, "there is no such session", {})
+
+
+@pytest.mark.parametrize("answer, phase, text", [
+    ((True, "accepted", {}), "running", "The picture shows"), ((False, "not_now", {}), "idle", "is not shown. Not possible now"),
+    ((False, "s1: no directory of a session", {}), "idle", "is not shown. S1: no directory")])
+@pytest.mark.parametrize("exercise, chosen", [("camera_clutch", "camera_clutch"), ("unknown", "none"), ("", "none")])
+def test_a_replay_that_is_refused_leaves_no_program_running(known, tmp_path, answer, phase, text, exercise, chosen):
+    async def replay():
+        station = station_module.Station(known, Sessions(tmp_path / "sessions", exercise))
+        station.supervisor = supervised(tmp_path, known, PROGRAM)
+
+        async def call(service, arguments, limit=0):
+            assert service == "begin_replay" and arguments["session"].endswith("s1")
+            assert station.supervisor.is_replay and station.supervisor.choice.exercise == chosen
+            return answer
+
+        station.link = types.SimpleNamespace(call=call)
+        station.newest["mode"] = {"mode": "pedal_up"}
+        ok, said, _ = await station.do("replay", {"session": "s1"})
+        assert ok == answer[0] and text in said and station.supervisor.phase == phase
+        await station.supervisor.close()
+
+    asyncio.run(replay())
+
+
+def test_a_stop_is_named_next_to_the_mode():
     station = station_module.Station(None, None)
     station.link = types.SimpleNamespace(is_taken=False, is_up=True)
     station.supervisor = types.SimpleNamespace(phase="running", is_running=True, ended_at=0.0, trouble="")
@@ -843,6 +1043,150 @@ def test_the_station_takes_its_folders_from_where_it_is():
             module.parse(wrong)
     with pytest.raises(SystemExit, match="password"):
         module.password_hash(module.parse(["--bind", "0.0.0.0"]))
+
+
+# ---- the ends of programs
+
+
+def test_the_station_ends_without_waiting_for_pages(monkeypatch):
+    monkeypatch.setattr(server, "CLOSE_LIMIT", 0.05)
+
+    async def close(**_):
+        await asyncio.sleep(3600)
+
+    pages = {number: types.SimpleNamespace(socket=types.SimpleNamespace(close=close)) for number in range(3)}
+    asyncio.run(asyncio.wait_for(server.close_pages(types.SimpleNamespace(clients=pages)), 5))
+
+
+@contextlib.contextmanager
+def running(*command, **options):
+    """A process that ends with the test, even if the test fails."""
+    with subprocess.Popen(command, **options) as process:
+        try:
+            yield process
+        finally:
+            process.kill()
+
+
+def survivors(pids):
+    """Those that still run. Kills them."""
+    found = [psutil.Process(pid) for pid in pids if psutil.pid_exists(pid)]
+    alive = psutil.wait_procs(found, timeout=5)[1]
+    for process in alive:
+        process.kill()
+    return alive
+
+
+# The station with a session of programs that need a second to end.
+SERVER = """
+import pathlib, sys, types
+sys.path.insert(0, sys.argv[1])
+from aiohttp import web
+from raven2_station import server
+folder = pathlib.Path(sys.argv[2])
+options = types.SimpleNamespace(share=sys.argv[3], programs=folder / "programs", scripts=folder, sessions=folder / "sessions", config="",
+                                robot="", password_hash=None, local=True, port=int(sys.argv[4]))
+app = server.make_app(options)
+app[server.STATION].link._command = ["sleep", "60"]
+
+async def begin(_):
+    await app[server.STATION].supervisor.start({"driver": "browser"})
+app.on_startup.append(begin)
+web.run_app(app, host="127.0.0.1", port=options.port, print=lambda _: print("serves", flush=True))
+"""
+
+
+def test_a_second_signal_leaves_no_program_running(known, tmp_path):
+    supervised(tmp_path, known, PROGRAM.replace("exec sleep 60", "trap 'sleep 0.5; exit' TERM; while :; do sleep 0.05; done"))
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        port = probe.getsockname()[1]
+    command = [sys.executable, "-c", SERVER, str(ROOT / "scripts"), str(tmp_path), str(ROOT), str(port)]
+    with running(*command, stdout=subprocess.PIPE, text=True) as process:
+        assert process.stdout.readline() == "serves\n"
+        listed = json.loads((tmp_path / "sessions/station_logs/processes.json").read_text())["processes"]
+        pids = [pid for pid, _ in listed.values()]
+        connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
+        connection.request("GET", "/")
+        cookie = connection.getresponse().getheader("Set-Cookie")
+        process.send_signal(signal.SIGINT)
+        said = process.stdout.readline()
+        for number in (signal.SIGINT, signal.SIGTERM):
+            process.send_signal(number)
+        status = process.wait(30)
+    assert len(pids) == 3 and survivors(pids) == []
+    assert status == 0 and "ends the session" in said
+    assert cookie.startswith(f"raven2_station_{port}=") and "SameSite=Lax" in cookie and "HttpOnly" in cookie
+
+
+COMMON = """ROOT={folder} LOGS={folder}
+step() {{ :; }}; configure_and_build() {{ :; }}; source_ros() {{ :; }}; free_port() {{ echo 12345; }}; say() {{ echo "$*"; }}
+"""
+
+
+def test_a_killed_ros_master_starts_again_on_its_port(tmp_path):
+    """scripts/station with other programs: rosmaster and the station only note that they were started."""
+    (tmp_path / "scripts/raven2_station").mkdir(parents=True)
+    shutil.copy(ROOT / "scripts/station", tmp_path / "scripts/station")
+    (tmp_path / "scripts/common.sh").write_text(COMMON.format(folder=tmp_path))
+    for path in ("rosmaster", "scripts/raven2_station/station"):
+        (tmp_path / path).write_text(f"#!/bin/sh\necho $$ $* >> {tmp_path}/{pathlib.Path(path).name}.started\nexec sleep 60\n")
+        (tmp_path / path).chmod(0o755)
+
+    def started(name, count):
+        until = time.monotonic() + 20
+        lines = []
+        while len(lines) < count and time.monotonic() < until:
+            time.sleep(0.05)
+            lines = (tmp_path / f"{name}.started").read_text().splitlines() if (tmp_path / f"{name}.started").exists() else []
+        return [line.split() for line in lines]
+
+    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+    with running("bash", str(tmp_path / "scripts/station"), env=environment) as process:
+        first, stations = started("rosmaster", 1), started("station", 1)
+        os.kill(int(first[0][0]), signal.SIGKILL)
+        masters = started("rosmaster", 2)
+        process.terminate()
+        status = process.wait(20)
+    assert survivors([int(pid) for pid, *_ in masters + stations]) == [] and status == 0
+    assert [master[1:] for master in masters] == [["--core", "-p", "12345"]] * 2 and len(stations) == 1
+
+
+# ---- scripts of the pages that need no browser
+
+
+def run_page_script(name, code):
+    """A page's module and `code` in node. @return what it prints, read as JSON."""
+    if not shutil.which("node"):
+        pytest.skip("node is not installed")
+    module = (ROOT / "scripts/raven2_station/page" / name).read_text(encoding="utf-8")
+    done = subprocess.run(["node", "--input-type=module"], input=module + code, capture_output=True, text=True, check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_keys_that_the_browser_needs_move_no_arm():
+    given = ["ControlLeft", "ControlRight", "AltLeft", "AltRight", "MetaLeft", "OSLeft", "Tab", "Enter", "NumpadEnter", "",
+             "KeyK", "Space", "ShiftLeft", "Numpad0", "F2"]
+    usable = run_page_script("input.js", f"console.log(JSON.stringify({json.dumps(given)}.map(isUsable)));")
+    assert usable == [False] * 10 + [True] * 5
+    stored = json.dumps({"pedal": "ControlLeft", "jaw": "KeyK"})
+    keys = run_page_script("input.js", f"globalThis.localStorage = {{ getItem: () => {json.dumps(stored)} }};\n"
+                                       "console.log(JSON.stringify(loadKeys()));")
+    assert keys["pedal"] == "Space" and keys["jaw"] == "KeyK" and keys["arm"] == "KeyX"
+
+
+@pytest.mark.parametrize("mappings, used, text", [
+    (["", "standard"], "pad 1", "Gamepad: pad 1"), (["standard", ""], "pad 0", "Gamepad: pad 0"),
+    ([""], None, "Gamepad not used"), ([], None, "")])
+def test_a_gamepad_with_a_known_layout_comes_first(mappings, used, text):
+    pads = [None, *({"connected": True, "id": f"pad {i}", "mapping": mapping, "axes": [], "buttons": []} for i, mapping in enumerate(mappings))]
+    code = (f"Object.defineProperty(globalThis, 'navigator', {{ value: {{ getGamepads: () => {json.dumps(pads)} }}, configurable: true }});\n"
+            "globalThis.window = globalThis; globalThis.addEventListener = () => {};\n"
+            "const hands = new Hands({ addEventListener() {} }, {});\n"
+            "const text = hands.gamepad(0.1); console.log(JSON.stringify([hands.pad ? hands.pad.id : null, text]));")
+    found, said = run_page_script("input.js", code)
+    assert found == used and said.startswith(text) and bool(said) == bool(text)
 
 
 GUIDES = ("doc/station.md", "doc/tutorials/surgeon_assistant.md", "doc/tutorials/educator.md")

@@ -147,10 +147,50 @@ def test_an_instructor_runs_an_exercise_and_reads_the_verdict(station, browser):
     assert [row.split()[0] for row in rows[1:]] == ["ann", "bea"]
     browser.click("tab-sessions")
     browser.until(lambda: browser.text("session-table").count("_ann") == 1, 5, "the sessions")
-    browser.click("delete")
+    for close in (lambda: browser.click("sure-no"), lambda: ActionChains(browser.driver).send_keys(Keys.ESCAPE).perform()):
+        browser.driver.execute_script("document.getElementById('said').textContent = ''")
+        browser.click("delete")
+        browser.until(lambda: browser["sure-yes"].is_displayed(), 3, "a question")
+        close()
+        ActionChains(browser.driver).send_keys(Keys.SPACE).perform()
+        browser.until(lambda: "stop is not confirmed. No session is running." in browser.text("said"), 3, "the space bar stops")
+        assert not browser["sure-yes"].is_displayed(), "the space bar asks nothing"
+    browser["delete"].send_keys(Keys.ENTER)
     browser.until(lambda: browser["sure-yes"].is_displayed(), 3, "a question")
-    browser.click("sure-no")
+    ActionChains(browser.driver).send_keys(Keys.ESCAPE).perform()
+    assert browser.driver.switch_to.active_element.get_attribute("data-test") == "delete", "the keyboard's user goes on there"
     assert len([n for n in os.listdir(station.sessions) if n.endswith(("_ann", "_bea"))]) == 2
+
+
+def test_a_report_opens_its_video(station, browser):
+    """A report is in a sandbox: a browser takes its link for a link of another site, and sends no cookie that is strict."""
+    directory = os.path.join(station.sessions, "2020-01-01T00-00-00Z_video")
+    os.makedirs(directory)
+    for name, text in (("session.rlog", "x"), ("video.mp4", "x"), ("report.html", '<a id="link" href="video.mp4#t=1.00">1 s</a>')):
+        with open(os.path.join(directory, name), "w", encoding="utf-8") as file:
+            file.write(text)
+    browser.open()
+    driver = browser.driver
+    driver.get(f"{browser.url}/sessions/2020-01-01T00-00-00Z_video/report.html")
+    driver.find_element(By.ID, "link").click()
+    browser.until(lambda: driver.current_url.endswith("/video.mp4#t=1.00"), 5, "the link is followed")
+    assert driver.execute_script("return document.contentType") == "video/mp4"
+    shutil.rmtree(directory)
+    browser.errors()  # these two pages have no icon, and the video no pictures
+
+
+def test_a_key_that_the_browser_needs_is_refused(browser):
+    browser.open("/trainee")
+    browser.click("key-arm")
+    for key, name in ((Keys.CONTROL, "Control Left"), (Keys.ALT, "Alt Left"), (Keys.TAB, "Tab"), (Keys.ENTER, "Enter")):
+        ActionChains(browser.driver).send_keys(key).perform()
+        browser.until(lambda: f"{name} cannot be chosen" in browser.text("said"), 3, name)
+        assert browser.text("key-arm") == "press a key"
+    held = {"type": "keyDown", "key": "l", "code": "KeyL", "windowsVirtualKeyCode": 76, "autoRepeat": True}
+    browser.driver.execute_cdp_cmd("Input.dispatchKeyEvent", held)
+    assert browser.text("key-arm") == "press a key", "a key that was held before"
+    ActionChains(browser.driver).send_keys("k").perform()
+    browser.until(lambda: browser.text("key-arm") == "K", 3, "the new key")
 
 
 # Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
@@ -289,6 +329,15 @@ class TestHandsOfAPage:
         driver.switch_to.new_window("tab")  # hides the page
         driver.switch_to.window(driver.window_handles[0])
         browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+
+    def test_a_mouse_that_the_browser_does_not_lock_needs_another_click(self, browser):
+        browser.open("/trainee")
+        browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
+        browser.click("drive")
+        browser.until(lambda: "Click the picture" in browser.text("said"), 3, "the hands are there")
+        browser.driver.execute_script("document.getElementById('screen').requestPointerLock = () => Promise.reject(new Error('too early'));")
+        ActionChains(browser.driver).move_to_element(browser.driver.find_element(By.ID, "screen")).click().perform()
+        browser.until(lambda: "click the picture again" in browser.text("said"), 3, "the page asks for another click")
 
     def test_a_gamepad_moves_both_arms(self, browser, tips):
         browser.open("/trainee")

@@ -17,9 +17,15 @@ export const ACTIONS = {
 const DEFAULT_KEYS = { pedal: "Space", arm: "KeyX", camera: "KeyC", roll_left: "KeyQ", roll_right: "KeyE", jaw: "KeyJ" };
 const STORE = "raven2_station_keys";
 
+// Ctrl, Alt and Meta begin shortcuts of the browser, Tab leaves the picture, Enter presses buttons. "": a key without a name.
+export function isUsable(code) {
+  return !/^(|(Control|Alt|Meta|OS)(Left|Right)|Tab|(Numpad)?Enter)$/.test(code);
+}
+
 export function loadKeys() {
   try {
-    return { ...DEFAULT_KEYS, ...JSON.parse(localStorage.getItem(STORE) || "{}") };
+    const own = JSON.parse(localStorage.getItem(STORE) || "{}");
+    return { ...DEFAULT_KEYS, ...Object.fromEntries(Object.entries(own).filter(([, code]) => isUsable(code))) };
   } catch {
     return { ...DEFAULT_KEYS };
   }
@@ -102,9 +108,11 @@ export class Hands {
 
   // Sticks are speeds: called once a frame. Left stick and left trigger are gold, right ones green. @return what the page says of it.
   gamepad(seconds) {
-    const pad = [...(navigator.getGamepads ? navigator.getGamepads() : [])].find((p) => p && p.connected);
+    const pads = [...(navigator.getGamepads ? navigator.getGamepads() : [])].filter((p) => p && p.connected);
+    const known = pads.find((p) => p.mapping !== "");  // "": axes and buttons in an order of its own
+    const pad = known || pads[0];
     this.padPedal = false;
-    this.pad = pad && pad.mapping !== "" ? pad : null;  // "": axes and buttons in an order of its own
+    this.pad = known || null;
     if (!pad) return "";
     if (!this.pad) return `Gamepad not used: the browser does not know the layout of ${pad.id}.`;
     const stick = (i) => (Math.abs(pad.axes[i] || 0) > DEAD_BAND ? pad.axes[i] : 0);

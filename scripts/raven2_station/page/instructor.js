@@ -222,6 +222,8 @@ function settings() {
   };
 }
 
+const sentence = (text) => text.charAt(0).toUpperCase() + text.slice(1).replace(/\.?$/, ".");
+
 function say(reply) {
   byId("said").textContent = reply.text;
   byId("said").className = reply.ok ? "good" : "bad";
@@ -250,7 +252,7 @@ press("restart", "restart-exercise");
 press("end-replay", "end-replay");
 byId("emergency-stop").addEventListener("click", async () => {
   const reply = await link.ask("emergency-stop");
-  say({ ok: reply.ok, text: reply.ok ? reply.text || "Stopped." : `The emergency stop is not confirmed: ${reply.text.replace(/\.?$/, ".")} Use the stop button of the robot.` });
+  say({ ok: reply.ok, text: reply.ok ? "Stopped." : `The emergency stop is not confirmed. ${sentence(reply.text)} Use the stop button of the robot.` });
 });
 press("clear-stop", "clear-stop");
 press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
@@ -271,7 +273,7 @@ document.addEventListener("click", (event) => {
 const isQuestion = () => byId("sure").contains(document.activeElement);
 
 document.addEventListener("keydown", (event) => {
-  if (event.code === "Escape" && byId("sure").open) byId("sure").close();
+  if (event.code === "Escape" && byId("sure").open) closeQuestion();
   const typing = ["INPUT", "SELECT", "TEXTAREA", "BUTTON", "A", "SUMMARY"].includes(document.activeElement.tagName) && !isQuestion();
   if (event.code !== "Space" || typing) return;
   event.preventDefault();
@@ -302,7 +304,8 @@ async function showVerdict(name) {
   byId("report").hidden = !hasReport;
   byId("report").href = `/sessions/${name}/report.html`;
   byId("video").hidden = !hasReport;
-  byId("video-link").hidden = true;
+  byId("video-link").hidden = !verdict.video;
+  byId("video-link").href = `/sessions/${name}/video.mp4`;
   return undefined;
 }
 
@@ -453,7 +456,7 @@ function addSessions({ sessions, count }) {
       files.append(s.video ? anchor("Video", `/sessions/${s.name}/video.mp4`) : action("Render video", async () => say(await link.ask("video", { session: s.name })), "render-video"));
       files.append(action("Replay", async () => say(await link.ask("replay", { session: s.name })), "replay"));
       files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
-      files.append(action("Delete", () => askToDelete(s.name), "delete"));
+      files.append(action("Delete", (event) => askToDelete(s.name, event.detail === 0), "delete"));
       const what = row([s.name, s.trainee, s.exercise === "none" ? "free session" : plain(s.exercise), hazardsOf(s), driverText(s.driver), passed(s.passed),
         number(s.duration, "s")]);
       what.className = "what";
@@ -471,16 +474,26 @@ function addSessions({ sessions, count }) {
   table.append(more);
 }
 
-function askToDelete(name) {
+let askedByKey = false;  // the button Delete was pressed with the keyboard
+
+function askToDelete(name, isKey) {
   byId("sure-text").textContent = `Delete session ${name} with all its files? This cannot be undone.`;
   byId("sure").dataset.session = name;
+  askedByKey = isKey;
   byId("sure").show();  // not modal: the emergency stop stays within reach
   byId("sure-no").focus();
 }
 
-byId("sure-no").addEventListener("click", () => byId("sure").close());
-byId("sure-yes").addEventListener("click", async () => {
+// The browser gives the focus back to the button Delete. There the space bar asks again instead of stopping the robot, so only
+// the keyboard's user keeps it.
+function closeQuestion(event) {
   byId("sure").close();
+  if (!askedByKey || (event && event.detail > 0)) document.activeElement.blur();
+}
+
+byId("sure-no").addEventListener("click", closeQuestion);
+byId("sure-yes").addEventListener("click", async (event) => {
+  closeQuestion(event);
   const name = byId("sure").dataset.session;
   const reply = await link.ask("delete", { session: name, sure: true });
   say(reply);

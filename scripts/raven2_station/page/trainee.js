@@ -1,7 +1,7 @@
 // The trainee's page: the picture, forces for eyes and ears, and hands without hardware.
 
 import { byId, Link, Picture, showHealth, showTask } from "/static/link.js";
-import { ACTIONS, Hands, loadKeys, saveKeys } from "/static/input.js";
+import { ACTIONS, Hands, isUsable, loadKeys, saveKeys } from "/static/input.js";
 
 const PERIOD_MS = 16;
 const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
@@ -138,8 +138,17 @@ byId("drive").addEventListener("click", async () => {
 });
 
 screen.addEventListener("click", () => {
-  if (drives && !hands.isLocked) screen.requestPointerLock();
+  if (drives && !hands.isLocked) lockMouse();
 });
+
+// Browsers refuse the lock for a second after Esc. Old ones return no promise.
+async function lockMouse() {
+  try {
+    await screen.requestPointerLock();
+  } catch {
+    byId("said").textContent = "The browser did not lock the mouse to the picture. Wait a second, then click the picture again.";
+  }
+}
 
 document.addEventListener("pointerlockchange", () => {
   if (!hands.isLocked) hands.turning = false;
@@ -233,6 +242,11 @@ window.addEventListener("keydown", (event) => {
   if (!asked) return;
   event.preventDefault();
   event.stopImmediatePropagation();
+  if (event.repeat) return;  // of the Enter that pressed the button
+  if (!isUsable(event.code)) {
+    byId("said").textContent = `${NAMES(event.code) || "This key"} cannot be chosen: the browser needs it. Press another key, or Esc.`;
+    return;
+  }
   const { action } = asked;
   if (event.code !== "Escape") {
     const other = Object.keys(keys).find((a) => keys[a] === event.code);
