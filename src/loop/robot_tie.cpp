@@ -32,7 +32,9 @@ void RobotTie::listen() noexcept {
     heard_sequence_ = robot_.last_sequence;
     heard_cycle_ = robot_.cycle;
   }
-  if (is_linked_ && robot_.runlevel != RunLevel::kPedalDown && isDeaf()) is_unheard_ = true;
+  // In PEDAL_DN it may have heard neither the release before this press nor the press.
+  const bool took_press = robot_.runlevel == RunLevel::kPedalDown && heardSinceLink();
+  if (is_linked_ && !took_press && isDeaf()) is_unheard_ = true;
 }
 
 /** Packets go to the robot in every tick, also with the pedal up. */
@@ -55,7 +57,8 @@ bool RobotTie::becomesReady() noexcept {
 
 void RobotTie::link(bool is_common) noexcept {
   is_linked_ = is_common;
-  is_unheard_ = false;
+  linked_cycle_ = heard_cycle_;
+  is_unheard_ = isDeaf();
 }
 
 bool RobotTie::applies() const noexcept {

@@ -63,6 +63,7 @@ class RobotTie {
 
  private:
   bool isDeaf() const noexcept;
+  bool heardSinceLink() const noexcept { return heard_cycle_ > linked_cycle_; }
 
   std::int64_t stale_ns_;
   RobotState robot_{};
@@ -77,6 +78,7 @@ class RobotTie {
   std::uint32_t heard_sequence_{0};  ///< the newest that it reported
   std::uint64_t heard_cycle_{0};     ///< its cycle in which it did first
   std::uint64_t last_cycle_{0};
+  std::uint64_t linked_cycle_{0};  ///< heard_cycle_ at the pedal-down
 };
 
 }  // namespace raven2_trainer::loop

@@ -17,6 +17,7 @@ ItpGate::ItpGate(const ItpRules& rules, Audience audience, const ItpKey* key) no
       limits_{rules.max_increment_um, rules.max_rotation},
       auth_(key != nullptr ? rules.auth : ItpAuth::kOff),
       unpin_after_ns_(std::llround(std::max(kUnpinAfter, rules.pedalTimeout()) * 1e9)),
+      pedal_timeout_ns_(std::llround(rules.pedalTimeout() * 1e9)),
       stream_(audience == Audience::kDaemon ? rules.stream : StreamProfile{}),
       sessions_(key, audience),
       packets_(rules.max_rate, rules.max_burst),
@@ -37,12 +38,12 @@ Reject ItpGate::judge(const Arrival& arrival, ItpPacket* packet) noexcept {
 Reject ItpGate::judgeCompat(const Arrival& arrival, ItpPacket* packet) noexcept {
   Reject reason = decodeItp(arrival.bytes, std::min(arrival.size, kItpSize), packet);
   if (reason != Reject::kNone) return reason;
-  stream_.translate(packet);
+  translate(arrival, packet);
   reason = checkUsable(*packet);
   if (reason != Reject::kNone) return reason;
   reason = compat_rule_.check(packet->sequence);
   last_ = compat_rule_.last();
-  if (reason == Reject::kNone) stream_.keep();
+  if (reason == Reject::kNone) keep(arrival);
   return reason;
 }
 
@@ -52,8 +53,8 @@ Reject ItpGate::judgeHardened(const Arrival& arrival, ItpPacket* packet) noexcep
   const Reject reason = is_signed ? judgeSigned(arrival, packet) : judgePlain(arrival, packet);
   if (reason != Reject::kNone) return reason;
   if (!packets_.take(arrival.time_ns)) return Reject::kRateLimited;
-  stream_.keep();
-  pin(arrival);
+  keep(arrival);
+  pin(arrival.source);
   return Reject::kNone;
 }
 
@@ -61,7 +62,7 @@ Reject ItpGate::judgePlain(const Arrival& arrival, ItpPacket* packet) noexcept {
   Reject reason = decodeItp(arrival.bytes, arrival.size, packet);
   if (reason != Reject::kNone) return reason;
   if (signed_only_) return Reject::kUnsigned;
-  stream_.translate(packet);
+  translate(arrival, packet);
   reason = checkItp(*packet, limits_);
   if (reason != Reject::kNone) return reason;
   const bool pedal = packet->surgeon_mode != 0;
@@ -100,6 +101,17 @@ Reject ItpGate::useSigned(SessionTable::Entry* entry, std::uint64_t counter, con
   return Reject::kNone;
 }
 
+/** After a silence in which the pedal counted as up, a console begins again. */
+void ItpGate::translate(const Arrival& arrival, ItpPacket* packet) noexcept {
+  if (arrival.time_ns - heard_ns_ > pedal_timeout_ns_) stream_.forget();
+  stream_.translate(packet);
+}
+
+void ItpGate::keep(const Arrival& arrival) noexcept {
+  stream_.keep();
+  heard_ns_ = arrival.time_ns;
+}
+
 bool ItpGate::isAllowed(std::uint64_t source) const noexcept {
   return allowed_mask_ == 0 || (source & allowed_mask_) == allowed_;
 }
@@ -108,10 +120,9 @@ bool ItpGate::isForeign(std::uint64_t source) const noexcept {
   return !isAllowed(source) || (pinned_ && source != source_);
 }
 
-void ItpGate::pin(const Arrival& arrival) noexcept {
+void ItpGate::pin(std::uint64_t source) noexcept {
   pinned_ = true;
-  source_ = arrival.source;
-  heard_ns_ = arrival.time_ns;
+  source_ = source;
 }
 
 bool ItpGate::isHello(const Arrival& arrival) const noexcept {

@@ -192,6 +192,30 @@ def read_bag(directory, log, tmp_path_factory):
     return found
 
 
+@built
+@pytest.mark.parametrize("kilobytes", [8, 100, 300])
+def test_a_full_disk_leaves_no_bag_and_the_reason(directory, tmp_path, kilobytes):
+    """At the beginning, in the messages, in the index. A limit of the file's size gives the same failed write."""
+    path = tmp_path / "its.bag"
+    done = subprocess.run(["bash", "-c", f"trap '' XFSZ; ulimit -f {kilobytes}; exec \"$@\"", "-", PROGRAMS / "export_session", directory, "--format",
+                           "rosbag", "--output", path], capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and str(path) in done.stderr, (done.returncode, done.stderr)
+    assert not list(tmp_path.iterdir())
+
+
+@built
+def test_messages_are_numbered_and_connections_named_as_in_a_recorded_bag(bag, directory, tmp_path):
+    rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
+    for topic, entries in bag.items():
+        numbers = [message.header.seq for message, _ in entries if hasattr(message, "header")]
+        assert numbers == list(range(len(numbers))), topic
+    export(directory, "rosbag", "--output", tmp_path / "its.bag")
+    with rosbag.Bag(str(tmp_path / "its.bag")) as found:
+        connections = [connection.header for connection in found._get_connections()]  # pylint: disable=protected-access
+    assert {header["callerid"] for header in connections} == {"/raven2_simulator"}
+    assert {header["topic"]: header["latching"] for header in connections}["/model/joint_states"] == "0"
+
+
 def began(directory):
     """Start of the session [ns since 1970]."""
     start = json.loads((directory / "meta.json").read_text())["start_time_utc"]

@@ -62,12 +62,14 @@ class ItpGate {
   Reject judgeSigned(const Arrival& arrival, ItpPacket* packet) noexcept;
   Reject useSigned(SessionTable::Entry* entry, std::uint64_t counter, const ItpPacket& packet) noexcept;
   bool isForeign(std::uint64_t source) const noexcept;
-  void pin(const Arrival& arrival) noexcept;
+  void translate(const Arrival& arrival, ItpPacket* packet) noexcept;
+  void keep(const Arrival& arrival) noexcept;
+  void pin(std::uint64_t source) noexcept;
 
   ItpRules rules_;
   ItpLimits limits_;
   ItpAuth auth_;
-  std::int64_t unpin_after_ns_;
+  std::int64_t unpin_after_ns_, pedal_timeout_ns_;
   std::uint64_t allowed_{0}, allowed_mask_{0};
 
   StreamTranslator stream_;

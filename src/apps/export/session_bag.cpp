@@ -7,9 +7,11 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 #include <ctime>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <vector>
 
 #include "apps/export/fault_topic.h"
@@ -31,36 +33,55 @@ constexpr PerArm<const char*> kBases{"model/base_link_L", "model/base_link_R"};
 /** A bag whose messages have the time that is set. */
 class BagSink : public ros_bridge::MessageSink {
  public:
-  explicit BagSink(const std::string& path) : bag_(path, rosbag::bagmode::Write) {}
+  explicit BagSink(const std::string& path) : bag_(std::make_unique<rosbag::Bag>(path, rosbag::bagmode::Write)) {}
+  /** After a failure: the bag's destructor would write, and throw once more. */
+  ~BagSink() override {
+    try {
+      bag_->close();
+    } catch (const rosbag::BagException&) {
+      static_cast<void>(bag_.release());
+    }
+  }
 
   void setTime(const ros::Time& now) { now_ = now; }
   BagCounts counts() const { return {messages_, topics_.size()}; }
+  /** @throw rosbag::BagException on a full disk. */
+  void close() { bag_->close(); }
 
   void write(const TopicWords& topic, const ros::SerializedMessage& message) override {
+    Topic& kept = topics_[topic.name];
+    if (!kept.words) kept.words = connectionOf(topic);
+    if (topic.has_header) std::memcpy(message.message_start, &kept.count, sizeof(kept.count));  // header.seq, as roscpp
+    ++kept.count;
     topic_tools::ShapeShifter raw;
     raw.morph(topic.md5, topic.type, topic.definition, topic.latched ? "1" : "0");
     // Behind the length, which is the connection's.
     ros::serialization::IStream stream(message.message_start, static_cast<std::uint32_t>(message.num_bytes) - 4U);
     raw.read(stream);
-    bag_.write(topic.name, now_, raw, connectionOf(topic));
+    bag_->write(topic.name, now_, raw, kept.words);
     ++messages_;
   }
 
  private:
-  /** rosbag play latches what its connection says. */
-  boost::shared_ptr<ros::M_string> connectionOf(const TopicWords& topic) {
-    boost::shared_ptr<ros::M_string>& words = topics_[topic.name];
-    if (words) return words;
-    words = boost::make_shared<ros::M_string>(ros::M_string{
-        {"topic", topic.name}, {"type", topic.type}, {"md5sum", topic.md5}, {"message_definition", topic.definition}});
-    if (topic.latched) (*words)["latching"] = "1";
-    return words;
+  struct Topic {
+    boost::shared_ptr<ros::M_string> words;
+    std::uint32_t count{0};
+  };
+
+  /** As in a recorded bag. rosbag play latches what its connection says. */
+  static boost::shared_ptr<ros::M_string> connectionOf(const TopicWords& topic) {
+    return boost::make_shared<ros::M_string>(ros::M_string{{"callerid", "/raven2_simulator"},
+                                                           {"latching", topic.latched ? "1" : "0"},
+                                                           {"topic", topic.name},
+                                                           {"type", topic.type},
+                                                           {"md5sum", topic.md5},
+                                                           {"message_definition", topic.definition}});
   }
 
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag> bag_;
   ros::Time now_;
   std::uint64_t messages_{0};
-  std::map<std::string, boost::shared_ptr<ros::M_string>> topics_;
+  std::map<std::string, Topic> topics_;
 };
 
 /** [ns] The wall clock less the log's, to a second: meta.json has the session's start in seconds. */
@@ -129,6 +150,7 @@ class BagWriter {
           if (record.model.session_tick % 1000 == 0) progress(static_cast<double>(record.model.session_tick) / ticks);
         });
     writeChanges(ros::TIME_MAX);
+    sink_.close();
     return sink_.counts();
   }
 
@@ -226,9 +248,16 @@ BagCounts writeSessionBag(const TrainerConfig& config,
                           const session::SessionPaths& paths,
                           const std::string& bag,
                           const std::function<void(double)>& progress) {
+  const std::string part = bag + ".part";
   try {
-    return BagWriter(config, paths, bag).write(progress);
+    const BagCounts counts = BagWriter(config, paths, part).write(progress);
+    std::filesystem::rename(part, bag);
+    return counts;
+  } catch (const std::filesystem::filesystem_error& e) {
+    throw SessionException(bag + ": " + e.code().message());
   } catch (const rosbag::BagException& e) {
+    std::error_code error;
+    std::filesystem::remove(part, error);
     throw SessionException(bag + ": " + e.what());
   }
 }

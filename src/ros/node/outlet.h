@@ -15,6 +15,7 @@ struct TopicWords {
   std::string name;  ///< from the root on
   std::string type, md5, definition;
   bool latched{};
+  bool has_header{};  ///< its bytes begin with header.seq
 };
 
 /** Where messages go that no node publishes: a bag. */
@@ -35,8 +36,12 @@ class Outlet {
   explicit Outlet(const ros::Publisher& publisher) : publisher_(publisher) {}
   Outlet(MessageSink* sink, const std::string& name, bool latched)
       : sink_(sink),
-        words_{name.front() == '/' ? name : "/" + name, ros::message_traits::datatype<Message>(),
-               ros::message_traits::md5sum<Message>(), ros::message_traits::definition<Message>(), latched} {}
+        words_{name.front() == '/' ? name : "/" + name,
+               ros::message_traits::datatype<Message>(),
+               ros::message_traits::md5sum<Message>(),
+               ros::message_traits::definition<Message>(),
+               latched,
+               ros::message_traits::hasHeader<Message>()} {}
 
   void publish(const Message& message) const {
     if (sink_ == nullptr) return publisher_.publish(message);

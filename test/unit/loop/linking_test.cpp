@@ -151,6 +151,42 @@ TEST_F(DeafRobot, ThatLetGoByItselfIsNotEngagedByAPedalThatStayedDown) {
   EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalUp);
 }
 
+// The robot stays in PEDAL_DN for 5 s without packets: it hears neither the release nor the press. Presses before and
+// after the 1 s from which a robot counts as deaf; both arms, both directions.
+TEST_F(DeafRobot, ThatStillHeldTheLastPressIsNotEngagedByTheNext) {
+  for (const int released_at : {300, 1500}) {
+    for (const double step : {20e-6, -20e-6}) {
+      rig = std::make_unique<Rig>(configuration());
+      ASSERT_TRUE(rig->home());
+      rest(true, 100);
+      rig->robot_hears = false;
+      rest(true, released_at);
+      rest(false, 200);
+      rest(true, 1500);
+      ASSERT_EQ(rig->robot().runlevel, RunLevel::kPedalDown) << "the robot must not hear the release";
+      rig->robot_hears = true;
+      for (int i = 0; i < 300; ++i) {
+        rig->tick(true, {step, 0.0, 0.0});
+        ASSERT_EQ(rig->last_relay.command.pedal, 0) << released_at << ' ' << i;
+        ASSERT_EQ(rig->model().linked, 0) << released_at << ' ' << i;
+      }
+      rest(false, 1000);
+      rest(true, 100);
+      EXPECT_EQ(rig->model().linked, 1) << "a new press engages the robot";
+      EXPECT_EQ(rig->robot().runlevel, RunLevel::kPedalDown);
+    }
+  }
+}
+
+TEST_F(DeafRobot, ThatHeardThePressGoesOnAfterAShortSilence) {
+  rest(true, 100);
+  rig->robot_hears = false;
+  rest(true, 2000);
+  rig->robot_hears = true;
+  rest(true, 100);
+  EXPECT_EQ(rig->model().linked, 1) << "it is still the same press";
+}
+
 TEST_F(DeafRobot, IsNoneWhoReportsNoSequence) {
   rig = std::make_unique<Rig>(configuration());
   rig->tells_sequence = false;

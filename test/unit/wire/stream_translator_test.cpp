@@ -172,8 +172,10 @@ TEST(StreamTranslator, APedalThatIsDownFromTheStartWaitsForAPress) {
 
 /** A gate with a console of absolute grasp and without clutch. The test is the console. */
 struct LooseConsole {
-  static ItpRules rules(double max_rate) {
+  static ItpRules rules(double max_rate, bool is_hardened) {
     ItpRules rules;
+    rules.hardened = is_hardened;
+    rules.compat_timeout = 5.0;
     rules.max_increment_um = 2000;
     rules.max_rotation = 0.1;
     rules.max_rate = max_rate;
@@ -182,7 +184,8 @@ struct LooseConsole {
     rules.stream.is_on = rules.stream.has_absolute_grasp = rules.stream.waits_for_press = true;
     return rules;
   }
-  explicit LooseConsole(double max_rate) : gate(rules(max_rate), Audience::kDaemon, nullptr) {}
+  explicit LooseConsole(double max_rate, bool is_hardened = true)
+      : gate(rules(max_rate, is_hardened), Audience::kDaemon, nullptr) {}
 
   Reject send(std::int64_t time_ms, std::int32_t pedal, std::int32_t grasp) {
     ItpPacket packet = still(++sequence, pedal);
@@ -206,6 +209,27 @@ TEST(StreamTranslator, AtTheGateAConsoleThatWasSilentBeginsAgain) {
   ASSERT_EQ(console.send(1001, 1, 600), Reject::kNone) << "its pedal counts as up, so it may introduce itself";
   EXPECT_EQ(console.got.surgeon_mode, 0) << "the pedal that is still down was not pressed";
   EXPECT_EQ(console.got.grasp_mrad, PerArm<std::int32_t>{}) << "where the jaws went meanwhile is no motion";
+}
+
+// The daemon lifts the pedal after pedalTimeout(): 0.2 s hardened, 5 s with a Raven's rules.
+TEST(StreamTranslator, AtTheGateAPedalThatWasHeldThroughASilenceWaitsForAPress) {
+  for (const bool is_hardened : {true, false}) {
+    LooseConsole console(1000.0, is_hardened);
+    const std::int64_t timeout_ms = is_hardened ? 200 : 5000;
+    ASSERT_EQ(console.send(1, 0, 100), Reject::kNone);
+    ASSERT_EQ(console.send(2, 1, 110), Reject::kNone);
+    ASSERT_EQ(console.send(2 + timeout_ms, 1, 130), Reject::kNone);
+    EXPECT_EQ(console.got.surgeon_mode, 1) << "a pause that is short enough";
+    EXPECT_EQ(console.got.grasp_mrad, (PerArm<std::int32_t>{20, -20}));
+    for (int i = 1; i <= 3; ++i) {
+      ASSERT_EQ(console.send(2 * timeout_ms + 100 + i, 1, 600), Reject::kNone);
+      EXPECT_EQ(console.got.surgeon_mode, 0) << is_hardened;
+      EXPECT_EQ(console.got.grasp_mrad, PerArm<std::int32_t>{}) << is_hardened;
+    }
+    ASSERT_EQ(console.send(2 * timeout_ms + 200, 0, 600), Reject::kNone);
+    ASSERT_EQ(console.send(2 * timeout_ms + 201, 1, 610), Reject::kNone);
+    EXPECT_EQ(console.got.surgeon_mode, 1);
+  }
 }
 
 TEST(StreamTranslator, AtTheGateAPacketAboveTheRateIsNotTheLastGrasp) {
