@@ -1,7 +1,7 @@
 #!/usr/bin/python3
 """Prints the docstrings of the type stubs as a C++ table, for help() in Python.
 
-    python/stub_docs.py python/raven2_trainer/__init__.pyi >build/python_docs.h
+    python/stub_docs.py python/raven2_trainer/__init__.pyi >build/docs_table.h
 """
 import ast
 import inspect

@@ -58,7 +58,7 @@ RULES = {
              "raven", "loop", "threads", "robot", "daemon"],
             PURE + r"|ros/|actionlib/|xmlrpcpp/|topic_tools/|boost/array\.hpp|netdb\.h|poll\.h|sys/socket\.h|unistd\.h|turbojpeg\.h|[a-z0-9_]+_msgs/|std_srvs/|raven2_trainer/(BeginReplay|CancelPlan|ExecutePlan|MoveArm[A-Z][a-z]+|Exercise(EventStamped|Progress)|Plan(Path|Execution|ning(Mode|Progress))|RepeatTrial|SessionConfiguration|StartHazard|TrainerMode)\.h"),
     "python": (["core", "kinematics", "control", "config", "model", "session", "console", "physics", "planning", "render", "loop", "recording",
-                "lockstep"], PURE + r"|ode/|pybind11/|sys/(mman|types)\.h|unistd\.h"),
+                "lockstep"], PURE + r"|ode/|pthread\.h|pybind11/|sys/(mman|types)\.h|unistd\.h"),
     "apps": (None, None),  # anything
 }
 # System headers that the modules of the 1 kHz ticks must not reach, neither through a header of ours nor through the

@@ -6,7 +6,7 @@
 #include <string>
 #include <utility>
 
-#include "python_docs.h"
+#include "python/docs_table.h"
 
 namespace raven2_trainer::python {
 

@@ -211,7 +211,8 @@ def test_messages_are_numbered_and_connections_named_as_in_a_recorded_bag(bag, d
         assert numbers == list(range(len(numbers))), topic
     export(directory, "rosbag", "--output", tmp_path / "its.bag")
     with rosbag.Bag(str(tmp_path / "its.bag")) as found:
-        connections = [connection.header for connection in found._get_connections()]  # pylint: disable=protected-access
+        connections = [{key: bytes(value).decode() for key, value in connection.header.items() if key != "message_definition"}
+                       for connection in found._get_connections()]  # pylint: disable=protected-access
     assert {header["callerid"] for header in connections} == {"/raven2_simulator"}
     assert {header["topic"]: header["latching"] for header in connections}["/model/joint_states"] == "0"
 
