@@ -57,9 +57,12 @@ training::TruthMerge mergeTruth(const std::string& directory, const std::string&
   }
   // A remembered file is of this host, where one clock says which run it is of.
   const auto by = file.empty() ? training::TruthBy::kClockAlone : training::TruthBy::kClockOrCommands;
-  const training::TruthMerge merged = mergeInto(paths, truth, by);
+  return mergeInto(paths, truth, by);
+}
+
+void scoreMerged(const std::string& directory) {
+  const session::SessionPaths paths = session::openSessionDirectory(directory);
   if (session::readLogHeader(paths.log()).exercise != "none") scoreRecorded(directory, earlierOptions(paths));
-  return merged;
 }
 
 void mergeTruthIfThere(const session::SessionPaths& paths) noexcept {

@@ -9,7 +9,7 @@ namespace raven2_trainer::training {
 namespace {
 
 bool isFelt(const HandSample& sample) {
-  return std::max(norm(sample.force_I[0]), norm(sample.force_I[1])) >= kFeltForce;
+  return std::max(sample.cue_force[0], sample.cue_force[1]) >= kFeltForce;
 }
 
 bool isSeen(const HandSample& sample) {

@@ -4,6 +4,7 @@
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/core/pedals.h"
+#include "raven2_trainer/core/vec3.h"
 
 namespace raven2_trainer::training {
 
@@ -12,6 +13,7 @@ namespace {
 constexpr Tick kLateness = 5000;   // [1 ms] the recorder's queues hold a little over four seconds
 constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
 constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon receives whose fault it had
+constexpr Tick kForceFalls = 40;   // [1 ms] from the largest force to zero, at the least `max_slew` of haptics.yaml
 
 /** The middle one; 0 of none. */
 Tick median(std::vector<Tick> values) {
@@ -19,6 +21,21 @@ Tick median(std::vector<Tick> values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
+}
+
+/** Whether guidance or edge want a force on the hand. */
+bool hasFixture(const HapticState& haptic, Arm arm) {
+  return at(haptic.guidance_B, arm) != Vec3{} || at(haptic.edge_B, arm) != Vec3{};
+}
+
+/** [N] Force cue and console fault alone, without what the log does not have: the slew limit, which delays kFeltForce
+ * by up to 4 ms, and the force that the passivity controller always leaves (`min_force`). */
+double cueForce(const HapticState& haptic, const DaemonFaults& faults, Arm arm) {
+  const double share = at(faults.force_gain, arm) * at(haptic.gain, arm);
+  Vec3 force{};
+  for (std::size_t axis = 0; axis < force.size() && haptic.active != 0; ++axis)
+    force[axis] = share * at(haptic.cue_B, arm)[axis] + at(faults.force_offset_B, arm)[axis];
+  return norm(force);
 }
 
 }  // namespace
@@ -34,14 +51,15 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
   }
 }
 
-/** The robot reports the first cycle of its faults, and the daemon receives it later. */
+/** A virtual Raven reports the first cycle of its faults, and the daemon receives it later. The cycles of a merged
+ * truth come from the library's own counter. */
 HazardCollector::Hazard HazardCollector::describe(const FaultEvent& event, const SessionMetrics& metrics) {
   Hazard hazard{event.name, event.first_tick, event.end_tick, 0};
   for (const Injection& injection : metrics.injections) {
     const bool is_its = injection.inject_tick >= event.first_tick && injection.inject_tick <= event.last_tick &&
                         injection.name == event.name;
     if (!is_its) continue;
-    if (injection.fault.host == FaultHost::kRobot) hazard.cycle = injection.inject_cycle;
+    if (injection.fault.host == FaultHost::kRobot && !injection.is_merged) hazard.cycle = injection.inject_cycle;
     break;
   }
   return hazard;
@@ -111,10 +129,34 @@ void HazardCollector::watchClutch(const ModelState& model) {
   }
 }
 
+void HazardCollector::watchConsole(const ModelState& model) {
+  if (model.faults.console != 0) console_faults_.emplace_back(model.tick, model.faults);
+  while (!console_faults_.empty() && console_faults_.front().first < model.tick - kLateness)
+    console_faults_.pop_front();
+}
+
+DaemonFaults HazardCollector::consoleFaultsAt(Tick tick) const {
+  const auto is_before = [](const auto& entry, Tick wanted) { return entry.first < wanted; };
+  const auto found = std::lower_bound(console_faults_.begin(), console_faults_.end(), tick, is_before);
+  return found != console_faults_.end() && found->first == tick ? found->second : DaemonFaults{};
+}
+
+/** [N] Without guidance and edge, the whole force. */
+PerArm<double> HazardCollector::cueForces(Tick tick, const HapticState& haptic) {
+  PerArm<double> forces{};
+  for (const Arm arm : kArms) {
+    if (hasFixture(haptic, arm)) at(undisturbed_, arm) = tick + kForceFalls;
+    at(forces, arm) =
+        tick < at(undisturbed_, arm) ? cueForce(haptic, consoleFaultsAt(tick), arm) : norm(at(haptic.force_I, arm));
+  }
+  return forces;
+}
+
 void HazardCollector::add(const TickRecord& record) {
   const Tick now = record.model.session_tick;
   if (now < 0) return;
   watchClutch(record.model);
+  watchConsole(record.model);
   openWindows(now);
   for (Open& open : open_)
     append(record, &open);
@@ -129,11 +171,13 @@ void HazardCollector::add(const RequestRecord& record) {
 }
 
 void HazardCollector::addLater(Tick tick, const HapticRecord& record) {
+  const PerArm<double> cue_force = cueForces(tick, record.haptic);
   for (Open& open : open_) {
     const auto found = std::lower_bound(open.ticks.begin(), open.ticks.end(), tick);
     if (found == open.ticks.end() || *found != tick) continue;
     HandSample& sample = open.window.samples[static_cast<std::size_t>(found - open.ticks.begin())];
     sample.force_I = record.haptic.force_I;
+    sample.cue_force = cue_force;
     sample.has_force = 1;
   }
 }
@@ -156,7 +200,9 @@ void holdForces(std::vector<HandSample>* samples) {
   for (std::size_t k = 1; k < samples->size(); ++k) {
     HandSample& sample = (*samples)[k];
     const HandSample& before = (*samples)[k - 1];
-    if (sample.has_force == 0 && before.has_force != 0) sample.force_I = before.force_I;
+    if (sample.has_force != 0 || before.has_force == 0) continue;
+    sample.force_I = before.force_I;
+    sample.cue_force = before.cue_force;
   }
 }
 

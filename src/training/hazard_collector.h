@@ -1,6 +1,7 @@
 #pragma once
 
 #include <deque>
+#include <utility>
 #include <vector>
 
 #include "raven2_trainer/core/record.h"
@@ -31,7 +32,7 @@ class HazardCollector {
   struct Hazard {
     std::string scenario;
     Tick begin{}, end{-1};  ///< end: of its aftermath, -1 the log ended before
-    std::uint64_t cycle{};  ///< first robot cycle with it; 0: not the robot's own
+    std::uint64_t cycle{};  ///< first robot cycle with it; 0: the robot did not report it
   };
   struct Open {
     Hazard hazard;
@@ -46,6 +47,9 @@ class HazardCollector {
   void watchClutch(const ModelState& model);
   void openWindows(Tick now);
   void append(const TickRecord& record, Open* open) const;
+  void watchConsole(const ModelState& model);
+  DaemonFaults consoleFaultsAt(Tick tick) const;
+  PerArm<double> cueForces(Tick tick, const HapticState& haptic);
   HandSample sampleOf(const TickRecord& record) const;
   void close(Open* open);
   Tick lastOf(const Hazard& hazard) const;
@@ -59,6 +63,8 @@ class HazardCollector {
   Tick released_{-1};           // session tick of the pedal-up under way
   bool was_down_{};
   Tick stop_tick_{-1};
+  std::deque<std::pair<Tick, DaemonFaults>> console_faults_;  // newest model ticks in which a console fault acts
+  PerArm<Tick> undisturbed_{};  // model tick from which on no guidance or edge force can be left
   std::uint64_t beyond_{0};
 };
 

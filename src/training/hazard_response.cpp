@@ -106,8 +106,7 @@ void findDisengagements(const HazardWindow& window, Tick cue, Responses* found) 
     const auto add = [&](std::size_t k) {
       found->push_back({Response::kPedalUp, static_cast<Tick>(k - window.injection)});
     };
-    const bool lasts =
-        to == window.samples.size() || static_cast<Tick>(to - from) >= disengagedFor(window.usual_clutch);
+    const bool lasts = static_cast<Tick>(to - from) >= disengagedFor(window.usual_clutch);
     if (from >= window.injection && from < noticed) add(from);  // a coincidence
     if (to > noticed && lasts) add(std::max(from, noticed));
   }
@@ -214,6 +213,11 @@ bool isRight(const ResponseRule& rule, Response response) {
   return contains(rule.right, response) || (response == Response::kHoldStill && contains(rule.right, Response::kSlow));
 }
 
+/** [1 ms] From the injection on: the latest answer. */
+Tick latestAnswer(const ResponseRule& rule, Tick cue) {
+  return cue + static_cast<Tick>(kLatest * rule.within / kTickSeconds);
+}
+
 /** By the first response that the rule names. */
 void decide(const Responses& responses, const ResponseRule& rule, HazardResponse* result) {
   const auto is_named = [&](const TimedResponse& r) {
@@ -308,6 +312,56 @@ Responses findResponses(const HazardWindow& window, const ForceMotion& explained
   return all;
 }
 
+/** Sets coincidences, first and deciding response, and the verdict. */
+void judgeAnswer(const HazardWindow& window,
+                 const ResponseRule& rule,
+                 const ForceMotion& explained,
+                 HazardResponse* result) {
+  const Tick cue = result->cue_after, latest = latestAnswer(rule, cue);
+  const Responses all = findResponses(window, explained, cue);
+  const auto deliberate =
+      std::find_if(all.begin(), all.end(), [&](const TimedResponse& r) { return r.after >= cue + kQuickest; });
+  const auto end = std::find_if(deliberate, all.end(), [&](const TimedResponse& r) { return r.after > latest; });
+  const Responses responses(deliberate, end);
+  result->coincidences.assign(all.begin(), deliberate);
+  if (!responses.empty()) result->first = responses.front();
+  result->verdict = Verdict::kNone;
+  decide(responses, rule, result);
+  if (result->verdict != Verdict::kRight && hadStopped(window, *result)) result->verdict = Verdict::kNotJudged;
+}
+
+template <typename T>
+std::vector<T> prolonged(std::vector<T> values, Tick ticks) {
+  if (!values.empty()) values.resize(values.size() + static_cast<std::size_t>(ticks), T(values.back()));
+  return values;
+}
+
+/** Whether the verdict stays if the trainee goes on as at the window's end: the pedal as it was, the hands at rest. */
+bool isSameIfProlonged(const HazardWindow& window,
+                       const ResponseRule& rule,
+                       const ForceMotion& explained,
+                       const HazardResponse& result) {
+  const Tick ticks = disengagedFor(window.usual_clutch);
+  HazardWindow longer = window;
+  longer.samples = prolonged(std::move(longer.samples), ticks);
+  HazardResponse other;
+  other.cue_after = result.cue_after;
+  judgeAnswer(longer, rule, {prolonged(explained[0], ticks), prolonged(explained[1], ticks)}, &other);
+  return other.verdict == result.verdict;
+}
+
+/** Whether nothing behind the window's end can change the verdict. */
+bool isFinal(const HazardWindow& window,
+             const ResponseRule& rule,
+             const ForceMotion& explained,
+             const HazardResponse& result) {
+  const Tick end = static_cast<Tick>(window.samples.size() - window.injection);
+  const Tick latest = latestAnswer(rule, result.cue_after);
+  if (end > latest + disengagedFor(window.usual_clutch)) return true;
+  if (end <= latest && result.verdict == Verdict::kNone) return false;
+  return isSameIfProlonged(window, rule, explained, result);
+}
+
 }  // namespace
 
 ResponseRule ruleOf(const ExerciseDrill& drill) {
@@ -325,7 +379,7 @@ Tick disengagedFor(Tick usual_clutch) noexcept {
 }
 
 Tick watchOf(const ResponseRule& rule) noexcept {
-  return static_cast<Tick>(std::ceil(rule.within / kTickSeconds)) + disengagedFor(kLongestHabit);
+  return static_cast<Tick>(std::ceil(kLatest * rule.within / kTickSeconds)) + disengagedFor(kLongestHabit);
 }
 
 ForceMotion explainByForce(const std::vector<HandSample>& samples, const HandConfig& hand) {
@@ -351,17 +405,8 @@ HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rul
   result.cue_after = cue.after;
   result.sense = cue.sense;
   if (cue.sense == Sense::kNone) return result;
-  const Responses all = findResponses(window, explained, cue.after);
-  const auto deliberate =
-      std::find_if(all.begin(), all.end(), [&](const TimedResponse& r) { return r.after >= cue.after + kQuickest; });
-  result.coincidences.assign(all.begin(), deliberate);
-  const Tick latest = cue.after + static_cast<Tick>(kLatest * rule.within / kTickSeconds);
-  const auto end = std::find_if(deliberate, all.end(), [&](const TimedResponse& r) { return r.after > latest; });
-  const Responses responses(deliberate, end);
-  if (!responses.empty()) result.first = responses.front();
-  result.verdict = Verdict::kNone;
-  decide(responses, rule, &result);
-  if (result.verdict == Verdict::kNone && hadStopped(window, result)) result.verdict = Verdict::kNotJudged;
+  judgeAnswer(window, rule, explained, &result);
+  if (!isFinal(window, rule, explained, result)) result.verdict = Verdict::kNotJudged;
   if (result.verdict == Verdict::kRight) result.answer_time = endOfAnswer(window, result.deciding) - result.cue_after;
   result.reaction = result.deciding.after >= 0 ? result.deciding : result.first;
   return result;

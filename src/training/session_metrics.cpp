@@ -70,34 +70,35 @@ void MetricsAccumulator::add(const FaultRecord& record) {
 }
 
 /** In order of their ticks: those of a merged ground truth come before the log's. */
-void MetricsAccumulator::add(const FaultChangeRecord& record) {
-  const auto is_before = [](Tick tick, const FaultChangeRecord& other) { return tick < other.tick; };
-  changes_.insert(std::upper_bound(changes_.begin(), changes_.end(), record.tick, is_before), record);
+void MetricsAccumulator::addChange(const Change& change) {
+  const auto is_before = [](Tick tick, const Change& other) { return tick < other.record.tick; };
+  changes_.insert(std::upper_bound(changes_.begin(), changes_.end(), change.record.tick, is_before), change);
 }
 
 void MetricsAccumulator::followChanges(const TickRecord& record) {
-  for (; !changes_.empty() && changes_.front().tick <= record.model.tick; changes_.pop_front())
-    take(changes_.front().change, record);
+  for (; !changes_.empty() && changes_.front().record.tick <= record.model.tick; changes_.pop_front())
+    take(changes_.front(), record);
   const bool is_connected = record.robot.connected != 0;
   if (was_connected_ && !is_connected) loseRobot(record);
   was_connected_ = is_connected;
 }
 
-void MetricsAccumulator::take(const FaultChange& change, const TickRecord& record) {
-  close(change, record);
-  if (change.acts != 0) open(change, record);
+void MetricsAccumulator::take(const Change& change, const TickRecord& record) {
+  close(change.record.change, record);
+  if (change.record.change.acts != 0) open(change, record);
 }
 
-void MetricsAccumulator::open(const FaultChange& change, const TickRecord& record) {
+void MetricsAccumulator::open(const Change& change, const TickRecord& record) {
   if (spans_.size() >= kMaxInjections) {
     ++metrics_.injections_beyond;
     return;
   }
   Span span;
-  span.begin = change;
+  span.begin = change.record.change;
   span.model_tick = record.model.tick;
   span.injection.inject_tick = record.model.session_tick;
-  span.injection.inject_cycle = change.host == FaultHost::kRobot ? change.cycle : record.robot.cycle;
+  span.injection.inject_cycle = span.begin.host == FaultHost::kRobot ? span.begin.cycle : record.robot.cycle;
+  span.injection.is_merged = change.is_merged;
   open_.push_back(spans_.size());
   spans_.push_back(span);
 }
@@ -330,7 +331,7 @@ SessionMetrics computeMetrics(const std::string& log_path, const std::function<v
   if (const auto truth = loadUsbTruth(session::SessionPaths{folder.string()}.usbTruth())) {
     accumulator.add(truth->rows);
     for (const FaultChangeRecord& change : truth->changes)
-      accumulator.add(change);
+      accumulator.addMerged(change);
     lost = truth->lost;
   }
   session::LogVisitor visitor;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,10 +18,12 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t kLargest = 64U << 20U;  // [bytes] the library keeps 65,536 changes a thread at most
-constexpr Tick kAgreement = 200;              // [ms]
-constexpr Tick kNever = -1;                   // not in the session
-constexpr Tick kBefore = -2;                  // before its first state of a robot
+constexpr std::size_t kLargest = 64U << 20U;        // [bytes] the library keeps 65,536 changes a thread at most
+constexpr Tick kAgreement = 200;                    // [ms]
+constexpr std::int64_t kSecond = 1'000'000'000;     // [ns]
+constexpr std::int64_t kStartSlack = 10 * kSecond;  // [ns] meta.json has whole seconds, and the first tick comes later
+constexpr Tick kNever = -1;                         // not in the session
+constexpr Tick kBefore = -2;                        // before its first state of a robot
 
 Json readJson(const std::string& path) {
   std::error_code error;
@@ -93,6 +96,7 @@ class Search {
   }
 
   void look(const TickRecord& record) {
+    if (last_ == kNever) began_ns_ = record.model.time_ns;
     last_ = record.model.tick;
     if (record.robot.frame == 0) return;
     if (first_ == kNever) {
@@ -110,6 +114,7 @@ class Search {
 
   Tick first() const { return first_; }
   std::int64_t firstNs() const { return first_ns_; }  ///< on the clock of the robot's computer
+  std::int64_t beganNs() const { return began_ns_; }  ///< the session's first tick, on the simulator's clock
 
  private:
   /** Skips what is older than the first state. */
@@ -122,8 +127,8 @@ class Search {
 
   std::vector<Moment*> by_clock_, by_command_;
   std::size_t clock_{0}, command_{0};
-  Tick first_{kNever}, last_{0};
-  std::int64_t first_ns_{0};
+  Tick first_{kNever}, last_{kNever};
+  std::int64_t first_ns_{0}, began_ns_{0};
 };
 
 void checkAgreement(const std::string& file, const std::vector<Moment>& moments) {
@@ -134,6 +139,29 @@ void checkAgreement(const std::string& file, const std::vector<Moment>& moments)
                            std::to_string(moment.by_clock) + ", by the commands that the robot had taken into tick " +
                            std::to_string(moment.by_command) + ": the file does not fit the session");
   }
+}
+
+/** [ns] Since 1970. */
+std::int64_t startOf(const session::SessionPaths& paths) {
+  std::tm start{};
+  const std::string text = session::readStartTime(paths);
+  if (::strptime(text.c_str(), "%Y-%m-%dT%H:%M:%SZ", &start) == nullptr)
+    throw SessionException(paths.meta() + ": start_time_utc = \"" + text.substr(0, 40) +
+                           "\" is no time such as 2026-01-31T12:00:00Z; name the file: merge_truth DIR FILE");
+  return static_cast<std::int64_t>(::timegm(&start)) * kSecond;
+}
+
+/** CLOCK_MONOTONIC begins again with each start of the computer, so it also finds moments of other days. The wall clock
+ * must agree. */
+void checkDay(const std::string& file, const session::SessionPaths& paths, const Json& truth, std::int64_t began_ns) {
+  const std::int64_t began = began_ns + truth.at("monotonic_offset_ns").get<std::int64_t>();
+  const std::int64_t gap = std::abs(began - startOf(paths));
+  if (gap <= kStartSlack) return;
+  throw SessionException(file + ": by its wall clock the session began " + std::to_string(gap / kSecond) +
+                         " s from start_time_utc in " + paths.meta() + ", allowed are " +
+                         std::to_string(kStartSlack / kSecond) +
+                         " s: the file is of another start of the computer, or its clock was set. If it is the "
+                         "session's, name it: merge_truth DIR FILE");
 }
 
 template <std::size_t N>
@@ -251,6 +279,7 @@ TruthMerge merge(const std::string& file, const session::SessionPaths& paths, Tr
       knows_end && truth->at("ended_ns").get<std::int64_t>() - truth->at("monotonic_offset_ns").get<std::int64_t>() <
                        search.firstNs();
   keepInside(moments, result.by_clock, search.first(), is_over, truth, &result);
+  if (result.inside > 0 && by == TruthBy::kClockAlone) checkDay(file, paths, *truth, search.beganNs());
   if (result.inside > 0) return result;
   throw SessionException(file + ": none of its " + std::to_string(result.outside) +
                          " injections falls into the session " + paths.directory);

@@ -16,6 +16,7 @@ import raven2_session  # noqa: E402
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
 pytestmark = pytest.mark.skipif(not (PROGRAMS / "merge_truth").exists(), reason="merge_truth is not built")
 OFFSET = 1_700_000_000_000_000_000  # [ns] wall clock of the robot's computer (since 1970) minus its CLOCK_MONOTONIC
+START = "2023-11-14T22:13:20Z"  # OFFSET: CLOCK_MONOTONIC is 0 in a session's first tick
 
 
 @pytest.fixture(scope="module", name="recorded")
@@ -122,7 +123,7 @@ def test_a_file_that_a_score_could_not_be_made_from_is_not_kept(session, ticks, 
         assert not (session / "usb_truth.json").exists(), spoiled
 
 
-def test_ticks_of_an_earlier_merge_are_found_anew(session, ticks, tmp_path):
+def test_ticks_of_an_earlier_merge_are_found_again(session, ticks, tmp_path):
     early = {**moment(ticks, begin_of(ticks)), "tick": -5}
     late = {"cycle": 1, "time_ns": int(ticks["robot"][-1]["time_ns"]) + OFFSET + 10**10, "command": 0, "tick": 100}
     done = merge(session, write(tmp_path / "late.json", truth_of(late, None)))
@@ -164,7 +165,12 @@ def test_without_a_file_the_one_that_the_session_remembers_is_taken(session, tic
     done = merge(session)
     assert done.returncode == 1 and "none of its 1 injections" in done.stderr, "the commands are not used here"
     path = write(tmp_path / "truth.json", truth_of(moment(ticks, begin_of(ticks)), None))
-    (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(path)}))
+    for start in ("2023-11-13T22:13:20Z", "2023-11-14T22:13:00Z", "2023-11-15T22:13:20Z"):
+        (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(path), "start_time_utc": start}))
+        done = merge(session)
+        assert done.returncode == 1 and "the file is of another start of the computer" in done.stderr, start
+        assert not (session / "usb_truth.json").exists()
+    (session / "meta.json").write_text(json.dumps({**meta, "usb_faults_truth": str(path), "start_time_utc": START}))
     report = subprocess.run([ROOT / "scripts/session_report", session, "--output", tmp_path / "page.html"],
                             capture_output=True, text=True, check=False, env={**os.environ, "PATH": f"{PROGRAMS}:{os.environ['PATH']}"})
     assert report.returncode == 0, report.stderr
@@ -187,3 +193,10 @@ def test_trainee_and_band_given_by_hand_stay(tmp_path):
     assert (after["trainee"], after["band"]) == (before["trainee"], before["band"])
     assert before["trainee"] == "kim" and before["band"]["file"] == str(band)
     assert after["hazards"] and not before["hazards"], "scored with the truth"
+    score = (session / "score.json").read_bytes()
+    pathlib.Path(band).unlink()
+    (session / "usb_truth.json").unlink()
+    done = merge(session, tmp_path / "truth.json")
+    assert done.returncode == 1 and str(band) in done.stderr and "merged, but score.json" in done.stderr
+    assert "1 injections act" in done.stdout and (session / "usb_truth.json").exists(), "the merge stays"
+    assert (session / "score.json").read_bytes() == score

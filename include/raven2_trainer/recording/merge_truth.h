@@ -9,11 +9,17 @@ namespace raven2_trainer::recording {
 
 /**
  * Brings the ground truth of the library at a real robot's USB boundary into a session: keeps it there
- * (training/usb_truth.h), makes metrics.json and faults.json again and, of a session with an exercise, score.json.
+ * (training/usb_truth.h) and makes metrics.json and faults.json again.
  * @param[in] file what RAVEN2_USB_FAULTS_TRUTH named; empty: the file that the session's meta.json remembers.
- * @throw SessionException, and what scoreRecorded() throws.
+ * @throw SessionException.
  */
 training::TruthMerge mergeTruth(const std::string& directory, const std::string& file);
+
+/**
+ * After mergeTruth(): makes score.json of a session with an exercise again, with the trainee and band of the old one.
+ * @throw what scoreRecorded() throws, also if that band's file is missing.
+ */
+void scoreMerged(const std::string& directory);
 
 /** At the end of a session that remembers a file which is there by now: merges it, without a score. One line on stderr.
  */

@@ -37,7 +37,7 @@ enum class Verdict : std::uint8_t {
   kRight,  ///< a right one, in time
   kLate,   ///< a right one, too late, but in twice the time
   kWrong,
-  kNotJudged,  ///< nothing to notice, or a stop was asked for before anybody could answer
+  kNotJudged,  ///< nothing to notice, a stop before anybody could answer rightly, or the log ended too early
 };
 constexpr std::array<const char*, 5> kVerdictNames{"none", "right", "late", "wrong", "not_judged"};
 
@@ -60,10 +60,12 @@ struct HandSample {
   std::uint8_t has_force{};           ///< 1 a force was computed of this millisecond
   PerArm<Vec3> master_I{};            ///< [m] ModelState::master_I: tip, not hand
   PerArm<Vec3> force_I{};             ///< [N] given to the hands
+  PerArm<double> cue_force{};         ///< [N] size of force_I without guidance and edge force
   PerArm<Vec3> model_B{}, robot_B{};  ///< [m] tips
 };
 
-/** Samples without a gap: from kLead before the injection or earlier to watchOf() behind the recovery. */
+/** Samples without a gap: from kLead before the injection or earlier to watchOf() behind the recovery, or to the log's
+ * end. */
 struct HazardWindow {
   std::vector<HandSample> samples;
   std::size_t injection{};   ///< index of the first sample that the fault acts in
@@ -117,16 +119,19 @@ Tick watchOf(const ResponseRule& rule) noexcept;
 /**
  * Judges one hazard: responses in all samples, figures until recovery.
  *
- * The cue is the first that begins in the aftermath and lasts for kNoticed: a force of kFeltForce on either hand, or
- * tips of model and robot kSeenGap apart. Without one nothing is judged. A response sooner than kQuickest after it is
- * no answer.
+ * The cue is the first that begins in the aftermath and lasts for kNoticed: a cue_force of kFeltForce on either hand,
+ * or tips of model and robot kSeenGap apart. Without one nothing is judged. A response sooner than kQuickest after it
+ * is no answer.
+ *
+ * Nothing is judged if the window ends too early. Without a deciding response it must show twice the time allowed. If
+ * it ends with the pedal up or the hands slow, the verdict must not depend on how long they stay so.
  *
  * A right answer's time goes from the cue to its end: of kPedalUp and kStop the next pedal-down, or the window's end.
  * In the aftermath a pedal-down does not count that the robot does not follow by kSeenGap, or that has another cue. Of
  * kHoldStill and kSlow the end is kCarriedThrough behind the answer, of others the answer itself.
  *
- * kPedalUp: the pedal goes up and stays up for disengagedFor(), or to the window's end. Where it was up already when
- * anybody could react, and stays up, it counts from then on. kStop: one is asked for.
+ * kPedalUp: the pedal goes up and stays up for disengagedFor(). Where it was up already when anybody could react, and
+ * stays up, it counts from then on. kStop: one is asked for.
  *
  * The others are the start of a run of samples with the pedal down. w is a hand's velocity less what the force
  * explains, u its mean over the 200 ms before the injection.

@@ -50,6 +50,7 @@ struct Injection {
   Tick clear_tick{-1};  ///< session tick of the report that it ended, or of the robot's loss; -1: none, or as above
   std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock: first cycle with a fault of the robot, else its newest cycle
   std::uint64_t clear_cycle{};   ///< the same, first cycle without the fault; 0: it did not end
+  bool is_merged{};              ///< from usb_truth.json: both cycles are counts of the library, not the robot's clock
   bool is_assumed{};             ///< the end was not reported: the robot was lost
   Tick observe_tick{-1};         ///< FaultEvent::onset_tick of the first event with one from inject_tick on; -1: never
 };
@@ -101,7 +102,8 @@ class MetricsAccumulator {
   void add(const HapticRecord& record);
   void add(const PlanRecord& record);
   void add(const FaultRecord& record);
-  void add(const FaultChangeRecord& record);
+  void add(const FaultChangeRecord& record) { addChange({record, /*is_merged=*/false}); }
+  void addMerged(const FaultChangeRecord& record) { addChange({record, /*is_merged=*/true}); }  ///< of usb_truth.json
   void add(const ExecutionRecord& record);
   void add(const ExerciseRecord& record) { exercise_.add(record); }
   void add(const SessionCounts& counts);
@@ -115,6 +117,12 @@ class MetricsAccumulator {
     double error{};   ///< [m] larger tip error of both arms in the haptic loop; 0 while forces may not act
   };
 
+  /** A change that waits for its tick. */
+  struct Change {
+    FaultChangeRecord record;
+    bool is_merged{};
+  };
+
   /** An injection and the change that began it; its Fault is in plans_. */
   struct Span {
     FaultChange begin{};
@@ -124,9 +132,10 @@ class MetricsAccumulator {
 
   void followExecution(const ModelState& model);
   std::vector<Execution> executions() const;
+  void addChange(const Change& change);
   void followChanges(const TickRecord& record);
-  void open(const FaultChange& change, const TickRecord& record);
-  void take(const FaultChange& change, const TickRecord& record);
+  void open(const Change& change, const TickRecord& record);
+  void take(const Change& change, const TickRecord& record);
   void close(const FaultChange& change, const TickRecord& record);
   Span* spanOf(const FaultChange& change);
   void loseRobot(const TickRecord& record);
@@ -150,7 +159,7 @@ class MetricsAccumulator {
   std::vector<std::pair<Tick, Tick>> begun_;  ///< model and session tick in which each execution began
   bool executes_{false};
   std::vector<FaultRecord> plans_;
-  std::deque<FaultChangeRecord> changes_;  ///< those that wait for their tick
+  std::deque<Change> changes_;  ///< by tick
   std::vector<Span> spans_;
   std::vector<std::size_t> open_;  ///< indices in spans_ of those that act
   bool was_connected_{false};

@@ -22,7 +22,7 @@ struct UsbTruth {
 
 /** By what a moment of the file is found. */
 enum class TruthBy : std::uint8_t {
-  kClockAlone,       ///< the clock of the robot's computer
+  kClockAlone,       ///< the clock of the robot's computer, which is the simulator's: its wall clock must agree, too
   kClockOrCommands,  ///< where nothing falls into the session by the clock: the commands that the robot had taken
 };
 
@@ -39,7 +39,8 @@ struct TruthMerge {
  * moment or of a later one. It is found by the clock of the robot's computer (CLOCK_MONOTONIC, in each state), or by
  * the number of the newest command that the robot had taken. An earlier merge is replaced.
  * @throw SessionException if the file cannot be read or is no such file, names a scenario that the session does not
- * know, has nothing that falls into the session, or if clock and commands are more than 200 ms apart.
+ * know, has nothing that falls into the session, or if clock and commands are more than 200 ms apart. With
+ * kClockAlone also if the file's wall clock and meta.json put the session's start more than 10 s apart.
  */
 TruthMerge mergeUsbTruth(const std::string& file, const session::SessionPaths& paths, TruthBy by);
 

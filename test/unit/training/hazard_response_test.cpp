@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "gtest/gtest.h"
+#include "raven2_trainer/core/vec3.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -48,10 +49,12 @@ HandSample& sampleAt(HazardWindow* window, Tick after) {
   return window->samples[kInjection + static_cast<std::size_t>(after)];
 }
 
-/** Force on the gold hand from `begin` to `end` ms behind the injection. */
-void push(HazardWindow* window, Tick begin, Tick end, const Vec3& force) {
-  for (Tick t = begin; t < end; ++t)
-    at(sampleAt(window, t).force_I, Arm::kGold) = force;
+/** Force from `begin` to `end` ms behind the injection, all of it the force cue. */
+void push(HazardWindow* window, Tick begin, Tick end, const Vec3& force, Arm arm = Arm::kGold) {
+  for (Tick t = begin; t < end; ++t) {
+    at(sampleAt(window, t).force_I, arm) = force;
+    at(sampleAt(window, t).cue_force, arm) = norm(force);
+  }
 }
 
 /** A felt force from the injection on. */
@@ -121,8 +124,7 @@ TEST(HazardResponse, PedalUpIsExactAndRight) {
 /** A force of `newton` on one hand for `length` ms, and a long release of the pedal well behind it. */
 HazardResponse afterForce(Arm arm, double newton, Tick length, Tick recovery = 6000) {
   HazardWindow window = makeQuietWindow(goingOn);
-  for (Tick t = 200; t < 200 + length; ++t)
-    at(sampleAt(&window, t).force_I, arm) = {0.0, newton, 0.0};
+  push(&window, 200, 200 + length, {0.0, newton, 0.0}, arm);
   liftPedal(&window, 700, 6000);
   window.recovery = kInjection + static_cast<std::size_t>(recovery);
   return judge(window);
@@ -227,7 +229,7 @@ TEST(HazardResponse, AShortStepBackIsNoRetreat) {
   expectFirst(judge(makeWindow(longer)), Response::kRetreat, 300);
 }
 
-TEST(HazardResponse, SlowingDownAndStandingAreTold) {
+TEST(HazardResponse, SlowingDownAndHoldingStillAreFound) {
   expectFirst(judge(makeWindow(then(0.08, 250, 0.012))), Response::kSlow, 250);  // below a fifth of 80 mm/s
   expectFirst(judge(makeWindow(then(0.08, 250, 0.002))), Response::kHoldStill, 250);
   EXPECT_NE(judge(makeWindow(then(0.08, 250, 0.02))).first.response, Response::kSlow);  // a quarter
@@ -243,7 +245,7 @@ TEST(HazardResponse, StandingStillCountsAsSlowWhereThatIsRight) {
   EXPECT_NE(judge(makeWindow(then(0.08, 250, 0.012)), rule).verdict, Verdict::kRight);
 }
 
-TEST(HazardResponse, WhoStandsLongAfterSlowingDidTwoThings) {
+TEST(HazardResponse, ALongRestAfterSlowingIsAnotherResponse) {
   const Speed in_two = [](Tick t) { return t < 250 ? 0.08 : t < 800 ? 0.012 : 0.0; };
   ResponseRule rule;
   rule.right = {Response::kHoldStill};
@@ -445,6 +447,125 @@ TEST(HazardResponse, AStopThatCameBeforeAnybodyReactsLeavesNothingToAnswer) {
   EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
 }
 
+/** Wrong: the pedal goes up. Late: it does so 1.9 s after the cue, of 1.5 s allowed. */
+TEST(HazardResponse, AStopThatCameBeforeAnybodyReactsSparesAllButTheRight) {
+  ResponseRule wrong, late;
+  wrong.right = {Response::kRetreat};
+  wrong.wrong = {Response::kPedalUp};
+  late.within = 1.5;
+  for (const auto& [rule, verdict] :
+       {std::pair{wrong, Verdict::kWrong}, {late, Verdict::kLate}, {{}, Verdict::kRight}}) {
+    HazardWindow window = makeQuietWindow(then(0.006, 0, 0.006));
+    push(&window, 500, 4000, {0.0, 0.5, 0.0});
+    liftPedal(&window, 2400, 6000);
+    EXPECT_EQ(judge(window, rule).verdict, verdict);
+    for (const Tick stop : {0, 499, 500, 599}) {
+      HazardWindow stopped = window;
+      sampleAt(&stopped, stop).stop = 1;
+      EXPECT_EQ(judge(stopped, rule).verdict, verdict == Verdict::kRight ? verdict : Verdict::kNotJudged) << stop;
+    }
+    sampleAt(&window, 600).stop = 1;
+    EXPECT_NE(judge(window, rule).verdict, Verdict::kNotJudged);
+  }
+}
+
+/** The log ends `end` ms behind the injection. */
+HazardWindow cutOff(HazardWindow window, Tick end) {
+  window.samples.resize(kInjection + static_cast<std::size_t>(end));
+  window.recovery = window.samples.size();
+  window.recovered = false;
+  return window;
+}
+
+Verdict verdictAt(const HazardWindow& window, Tick end, const ResponseRule& rule = {}) {
+  return judge(cutOff(window, end), rule).verdict;
+}
+
+TEST(HazardResponse, WithoutAnAnswerTheLogMustShowAllTheTimeForOne) {
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeQuietWindow(then(0.006, 0, 0.006), 9000);
+    push(&window, 200, 400, {0.0, 1.0, 0.0}, arm);
+    for (const Tick end : {301, 360, 2200, 4200})
+      EXPECT_EQ(verdictAt(window, end), Verdict::kNotJudged) << end;
+    for (const Tick end : {4210, 5000, 9000})  // the speed is a mean over 10 ms
+      EXPECT_EQ(verdictAt(window, end), Verdict::kNone) << end;
+  }
+}
+
+TEST(HazardResponse, AReleaseThatTheLogsEndCutsOffMayBeAClutch) {
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeQuietWindow(goingOn, 9000);
+    push(&window, 40, 900, {0.0, 1.0, 0.0}, arm);
+    liftPedal(&window, 437, 9000);
+    for (const Tick end : {438, 637, 2436})
+      EXPECT_EQ(verdictAt(window, end), Verdict::kNotJudged) << end;
+    EXPECT_EQ(verdictAt(window, 2437), Verdict::kRight);
+    EXPECT_EQ(judge(cutOff(window, 2437)).deciding.after, 437);
+    EXPECT_EQ(judge(cutOff(window, 2436)).answer_time, 0);
+    window.usual_clutch = 1500;
+    EXPECT_EQ(verdictAt(window, 3436), Verdict::kNotJudged) << "this surgeon's clutches are longer";
+    EXPECT_EQ(verdictAt(window, 3437), Verdict::kRight);
+  }
+}
+
+TEST(HazardResponse, WhetherAReleaseIsLateOrWrongIsAlsoUnknownUntilItLasted) {
+  HazardWindow window = makeQuietWindow(then(0.006, 0, 0.006), 9000);
+  push(&window, 0, 4000, {0.0, 1.0, 0.0});
+  liftPedal(&window, 3500, 9000);
+  EXPECT_EQ(verdictAt(window, 4500), Verdict::kNotJudged) << "late, or a clutch and no answer";
+  EXPECT_EQ(verdictAt(window, 5500), Verdict::kLate);
+  ResponseRule rule;
+  rule.right = {Response::kStop};
+  rule.wrong = {Response::kPedalUp};
+  EXPECT_EQ(verdictAt(window, 5499, rule), Verdict::kNotJudged);
+  EXPECT_EQ(verdictAt(window, 5500, rule), Verdict::kWrong);
+}
+
+TEST(HazardResponse, HandsThatMayGoOnRestingAreUnknown) {
+  const HazardWindow window = makeQuietWindow(then(0.08, 1200, 0.0), 9000);
+  HazardWindow felt = window;
+  push(&felt, 0, 300, {0.0, 1.0, 0.0});
+  EXPECT_EQ(verdictAt(felt, 1600), Verdict::kNotJudged) << "pushed on, or the beginning of a rest of 2 s";
+  EXPECT_EQ(verdictAt(felt, 3150), Verdict::kNotJudged);
+  EXPECT_EQ(verdictAt(felt, 3250), Verdict::kRight);
+}
+
+TEST(HazardResponse, WhatIsKnownDoesNotDependOnTheLogsEnd) {
+  HazardWindow window = makeQuietWindow(goingOn, 9000);
+  push(&window, 50, 4000, {0.0, 0.5, 0.0});
+  for (const Tick end : {1551, 1600, 3000, 9000})
+    EXPECT_EQ(verdictAt(window, end), Verdict::kWrong) << end;
+  EXPECT_EQ(verdictAt(window, 1550), Verdict::kNotJudged);
+  liftPedal(&window, 600, 9000);
+  sampleAt(&window, 700).stop = 1;
+  EXPECT_EQ(verdictAt(window, 710), Verdict::kRight) << "the stop, or the release before it";
+  liftPedal(&window, 0, 600);
+  window.samples[kInjection + 700].stop = 0;
+  EXPECT_EQ(verdictAt(window, 1999), Verdict::kNotJudged) << "the pedal was up before anybody could react";
+  EXPECT_EQ(verdictAt(window, 2000), Verdict::kRight);
+}
+
+TEST(HazardResponse, AForceOfOtherOriginIsNoCue) {
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeQuietWindow(goingOn);
+    for (Tick t = 0; t < 3000; ++t)
+      at(sampleAt(&window, t).force_I, arm) = {0.0, 1.0, 0.0};
+    EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
+    EXPECT_EQ(judge(window).peak_force, 1.0);
+    for (Tick t = 300; t < 400; ++t)
+      at(sampleAt(&window, t).cue_force, arm) = kFeltForce;
+    EXPECT_EQ(judge(window).cue_after, 300);
+  }
+}
+
+TEST(HazardResponse, AnswersAreWatchedForUntilTheLatestIsKnown) {
+  ResponseRule rule;
+  for (const double within : {0.05, 2.0, 60.0}) {
+    rule.within = within;
+    EXPECT_GE(watchOf(rule), static_cast<Tick>(2000 * within) + disengagedFor(kLongestHabit));
+  }
+}
+
 TEST(HazardResponse, AResponseThatTheRuleDoesNotNameDoesNotDecide) {
   HazardWindow window = makeWindow(then(0.08, 250, 0.012));
   liftPedal(&window, 2400, 6000);
@@ -534,9 +655,8 @@ TEST(HazardResponse, MeasuresExcursionForceAndDurationUntilRecovery) {
   HazardWindow window = makeQuietWindow(goingOn);
   window.recovery = kInjection + 1000;
   push(&window, 100, 1500, {0.0, 0.0, -0.2});
-  for (Tick t = 700; t < 820; ++t)
-    at(sampleAt(&window, t).force_I, Arm::kGreen) = {0.0, 2.0, 0.0};
-  at(sampleAt(&window, 1200).force_I, Arm::kGreen) = {0.0, 3.0, 0.0};
+  push(&window, 700, 820, {0.0, 2.0, 0.0}, Arm::kGreen);
+  push(&window, 1200, 1201, {0.0, 3.0, 0.0}, Arm::kGreen);
   for (HandSample& sample : window.samples)
     at(sample.robot_B, Arm::kGreen) = at(sample.model_B, Arm::kGreen) = {0.1, 0.1, 0.1};
   at(sampleAt(&window, 500).robot_B, Arm::kGreen) = {0.1, 0.13, 0.14};
@@ -566,6 +686,7 @@ HazardWindow exchanged(HazardWindow window) {
   for (HandSample& sample : window.samples) {
     for (PerArm<Vec3>* pair : {&sample.master_I, &sample.force_I, &sample.model_B, &sample.robot_B})
       std::swap((*pair)[0], (*pair)[1]);
+    std::swap(sample.cue_force[0], sample.cue_force[1]);
   }
   return window;
 }
@@ -596,8 +717,8 @@ HazardWindow makeAstrayWindow() {
     at(sampleAt(&window, t).robot_B, Arm::kGold) = {0.03, 0.0, 0.0};
     at(sampleAt(&window, t).model_B, Arm::kGold) = {0.0, 0.0, 0.0};
     at(sampleAt(&window, t).robot_B, Arm::kGreen) = at(sampleAt(&window, t).model_B, Arm::kGreen) = {0.0, 0.07, 0.0};
-    at(sampleAt(&window, t).force_I, Arm::kGreen) = {0.5, 0.0, 0.0};
   }
+  push(&window, 200, 400, {0.5, 0.0, 0.0}, Arm::kGreen);
   return window;
 }
 

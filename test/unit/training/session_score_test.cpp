@@ -411,9 +411,133 @@ TEST_F(SessionScoreTest, WhereNothingIsFeltTheRobotIsSeenToPart) {
   }
 }
 
+/** A change of the first scenario in this tick. */
+FaultChangeRecord makeChange(const TickRecord& record, FaultHost host, bool acts) {
+  FaultChangeRecord change;
+  change.tick = record.model.tick;
+  change.change.cycle = record.robot.cycle;
+  change.change.id = 1;
+  change.change.host = host;
+  change.change.acts = acts ? 1 : 0;
+  return change;
+}
+
+/** Forces on one hand; guidance and edge act from 1 s before the fault on. */
+struct MadeForces {
+  Vec3 cue_B{}, guidance_B{}, edge_B{}, offset_B{};
+  double gain{1.0}, force_gain{1.0};
+  Tick fixtures_end{3000};
+};
+
+/** A fault of the console acts for 400 ms. The hand gets 1.5 N before, during and after it. */
+void writeForces(session::LogWriter* writer, Arm arm, const MadeForces& made) {
+  for (Tick k = 0; k < 3000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    const bool acts = k >= kInjection && k < kInjection + 400;
+    if (acts) record.model.faults.console = 1;
+    if (acts) at(record.model.faults.force_gain, arm) = made.force_gain;
+    if (acts) at(record.model.faults.force_offset_B, arm) = made.offset_B;
+    if (k == kInjection || k == kInjection + 400) writer->write(makeChange(record, FaultHost::kConsole, acts));
+    writer->write(record);
+    HapticRecord haptic;
+    haptic.haptic.tick = record.model.tick;
+    haptic.haptic.active = 1;
+    at(haptic.haptic.force_I, arm) = {1.5, 0.0, 0.0};
+    at(haptic.haptic.gain, arm) = made.gain;
+    if (acts) at(haptic.haptic.cue_B, arm) = made.cue_B;
+    if (k >= kInjection - 1000 && k < made.fixtures_end) {
+      at(haptic.haptic.guidance_B, arm) = made.guidance_B;
+      at(haptic.haptic.edge_B, arm) = made.edge_B;
+    }
+    writer->write(haptic);
+  }
+}
+
+/** Each case has guidance on one arm, and edge force on the other. */
+TEST_F(SessionScoreTest, GuidanceAndEdgeAreNoCueForAHazard) {
+  struct Case {
+    Vec3 cue_B, offset_B;
+    double gain, force_gain;
+    Tick cue_after;
+  };
+  const Case cases[] = {{{}, {}, 1.0, 1.0, -1},
+                        {{0.0, 0.3, 0.4}, {}, 1.0, 1.0, 0},
+                        {{0.0, 1.0, 0.0}, {}, 0.4, 1.0, -1},
+                        {{0.0, 1.0, 0.0}, {}, 0.6, 1.0, 0},
+                        {{0.0, 0.3, 0.0}, {}, 1.0, -2.0, 0},
+                        {{}, {0.0, 0.0, 0.4}, 1.0, 1.0, -1},
+                        {{}, {0.0, 0.0, -0.6}, 1.0, 1.0, 0},
+                        {{0.0, 0.4, 0.0}, {0.0, -0.3, 0.0}, 1.0, 1.0, -1}};
+  for (const Arm arm : kArms) {
+    for (const Case& c : cases) {
+      const bool is_guided = (&c - cases) % 2 == static_cast<int>(arm);
+      const Vec3 fixture{1.5, 0.0, 0.0}, guidance = is_guided ? fixture : Vec3{}, edge = is_guided ? Vec3{} : fixture;
+      begin();
+      writeForces(writer_.get(), arm, {c.cue_B, guidance, edge, c.offset_B, c.gain, c.force_gain});
+      const HazardResponse response = finish().hazards.at(0).response;
+      EXPECT_EQ(response.cue_after, c.cue_after) << is_guided << " " << &c - cases;
+      EXPECT_EQ(response.peak_force, 1.5) << "of the whole force";
+    }
+  }
+}
+
+/** The largest force has fallen to zero 40 ms after its end: the rest is the force cue. */
+TEST_F(SessionScoreTest, TheWholeForceIsACueOnceGuidanceIsOver) {
+  for (const Arm arm : kArms) {
+    begin();
+    MadeForces made;
+    made.guidance_B = {1.5, 0.0, 0.0};
+    made.fixtures_end = kInjection;
+    writeForces(writer_.get(), arm, made);
+    EXPECT_EQ(finish().hazards.at(0).response.cue_after, 39);
+  }
+}
+
+/** The robot's state shows the first cycle with the fault 40 ms before the daemon receives the change. */
+TEST_F(SessionScoreTest, AHazardBeginsWithTheCycleThatTheRobotReports) {
+  begin();
+  for (Tick k = 0; k < 6000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    record.robot.cycle = 50'000 + static_cast<std::uint64_t>(k);
+    FaultChangeRecord change = makeChange(record, FaultHost::kRobot, true);
+    change.change.cycle -= 40;
+    if (k == kInjection) writer_->write(change);
+    writer_->write(record);
+  }
+  EXPECT_EQ(finish().hazards.at(0).injection, kInjection - 40);
+}
+
+/** The library counts its cycles from 1, the bridge to a real robot its own. */
+TEST_F(SessionScoreTest, AMergedHazardBeginsWithItsTick) {
+  for (const Tick cycle : {Tick{1}, 50'000 + kInjection - 40, Tick{900'000}}) {
+    begin();
+    for (Tick k = 0; k < 6000; ++k) {
+      TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+      record.robot.connected = 1;
+      record.robot.cycle = 50'000 + static_cast<std::uint64_t>(k);
+      writer_->write(record);
+    }
+    const nlohmann::json injection{{"name", "sudden_jump"},
+                                   {"host", "robot"},
+                                   {"row", 0},
+                                   {"site", "put_usb_packet"},
+                                   {"variable", "dac"},
+                                   {"arm", "gold"},
+                                   {"channel", 1},
+                                   {"kind", "stuck_at"},
+                                   {"value", 8000},
+                                   {"inject", {{"cycle", cycle}, {"tick", kFirstTick + kInjection}}},
+                                   {"clear", nullptr}};
+    std::ofstream(folder_ / "usb_truth.json") << nlohmann::json{{"id", 1}, {"injections", {injection}}};
+    EXPECT_EQ(finish().hazards.at(0).injection, kInjection) << cycle;
+  }
+}
+
 /** The robot's tip is 10 mm astray for 400 ms, and the hands rest. @param[in] up when the pedal goes up. */
-void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
-  for (Tick k = 0; k < 20'000; ++k) {
+void writeFaultAnsweredLate(session::LogWriter* writer, Tick up, Tick end = 20'000) {
+  for (Tick k = 0; k < end; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.robot.connected = 1;
     if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
@@ -426,6 +550,17 @@ void writeFaultAnsweredLate(session::LogWriter* writer, Tick up) {
       writer->write(change);
     }
     writer->write(record);
+  }
+}
+
+/** The pedal goes up 900 ms after the fault, and the trainee ends the session. */
+TEST_F(SessionScoreTest, ASessionThatEndsWithTheAnswerIsNotJudged) {
+  for (const Tick length : {1000, 1999, 2000}) {
+    begin();
+    writeFaultAnsweredLate(writer_.get(), kInjection + 900, kInjection + 900 + length);
+    const SessionScore score = finish();
+    EXPECT_EQ(score.hazards.at(0).response.verdict, length < 2000 ? Verdict::kNotJudged : Verdict::kRight);
+    EXPECT_EQ(score.hazards.at(0).response.deciding.after, length < 2000 ? -1 : 900);
   }
 }
 
@@ -475,7 +610,7 @@ TEST_F(SessionScoreTest, WritesTheSameBytesTwice) {
   EXPECT_EQ(attempt["hazards"][0]["touches"]["tower"]["count"], 1);
 }
 
-TEST_F(SessionScoreTest, GivesUpWhereItIsTold) {
+TEST_F(SessionScoreTest, GivesUpWhenItsCallbackThrows) {
   begin();
   for (Tick k = 0; k < 100; ++k)
     writer_->write(makeRecord(k));
