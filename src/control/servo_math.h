@@ -10,6 +10,8 @@ namespace raven2_trainer::control {
 constexpr double kPeakRate = 15.0 / 8;  // of the quintic, over its mean
 constexpr double kShortestMove = 0.2;   // [s] so that a move of a millimetre stays below 0.15 m/s2; ours
 
+constexpr double kLimitRounding = 1e-9;  // [rad; m] of forward and inverse kinematics, at a joint's limit
+
 inline double turnBetween(const Matrix3& a, const Matrix3& b) noexcept {
   const Quaternion turn(a * b.transpose());
   return 2.0 * std::atan2(turn.vec().norm(), std::abs(turn.w()));

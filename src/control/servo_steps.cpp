@@ -19,6 +19,7 @@ constexpr int kTipSamples = 16;  // of a move in joints, for the highest rate of
 }  // namespace
 
 void ServoTarget::step() noexcept {
+  busy_left_ = std::max<Tick>(busy_left_ - 1, 0);
   stepJaw();
   switch (motion_) {
     case Motion::kHold:
@@ -103,20 +104,21 @@ void ServoTarget::stepTwist() noexcept {
 /** Stops where a joint's range or the path ends. */
 void ServoTarget::stepRates() noexcept {
   const double share = timedShare();
+  if (share <= 0.0) return servo(Motion::kHold);
   ServoJoints to = servoJoints(q_);
+  fitJoints(&to);  // a joint at its limit does not stop the others
   for (std::size_t j = 0; j < kServoJointCount; ++j)
     to[j] += share * rates_[j] * kTickSeconds;
   JointArray q = q_;
-  const bool goes_on = share > 0.0 && checkJoints(to).reason == ServoRefusal::kNone &&
-                       solve(poseOf(withServoJoints(q_, to)), &q) != Solved::kNowhere;
-  goes_on ? stepJointsTo(to) : servo(Motion::kHold);
+  const bool goes_on = areWithinLimits(to) && solve(poseOf(withServoJoints(q_, to)), &q);
+  goes_on ? stepJointsTo(to) : endEarly();
 }
 
 /** Stops where the path ends. */
 void ServoTarget::stepTo(const Pose& X_BT) noexcept {
   const Pose from = X_;
   const auto way = [&](double share) { return between(from, X_BT, share); };
-  if (stepAlong(way, limits_.max_speed, limits_.max_turn_rate) <= 0.0) servo(Motion::kHold);
+  if (stepAlong(way, limits_.max_speed, limits_.max_turn_rate) <= 0.0) endEarly();
 }
 
 /** As much of a tick's way as leaves every joint within its rate: how far they come is known afterwards.
@@ -124,15 +126,18 @@ void ServoTarget::stepTo(const Pose& X_BT) noexcept {
 template <typename Way>
 double ServoTarget::stepAlong(const Way& way, double most_speed, double most_rate) noexcept {
   JointArray here = q_;
-  if (solve(X_, &here) == Solved::kNowhere) return 0.0;
+  const auto beyond_here = solve(X_, &here);
+  if (!beyond_here) return 0.0;
+  const double most_beyond = std::min(*beyond_here, kBeyondLimit) + kLimitRounding;  // no farther out than it is
   double share = 1.0;
   for (int attempt = 0; attempt < kMostAttempts; ++attempt) {
     const Pose next = way(share);
     JointArray q = here;
-    if (solve(next, &q) != Solved::kThere) return 0.0;
+    const auto beyond = solve(next, &q);
+    if (!beyond || *beyond > most_beyond) return 0.0;
     const double over = jointStep(here, q, most_speed, most_rate);
     if (over <= 1.0 + kRateRounding) {
-      X_ = next;
+      X_ = *beyond > 0.0 ? poseOf(q) : next;
       return share;
     }
     share /= over;
@@ -150,7 +155,7 @@ void ServoTarget::stepMove() noexcept {
   } else {
     const auto way = [&](double ticks) { return between(from_X_, move.X, shareAt(elapsed_ + ticks)); };
     const double ticks = stepAlong(way, pace_ * limits_.move_speed, pace_ * limits_.move_turn_rate);
-    if (ticks <= 0.0) return servo(Motion::kHold);
+    if (ticks <= 0.0) return endEarly();
     elapsed_ += ticks;
   }
   if (shareAt(elapsed_) < 1.0) return;
@@ -160,7 +165,7 @@ void ServoTarget::stepMove() noexcept {
 }
 
 void ServoTarget::beginMove() noexcept {
-  from_X_ = X_;
+  from_X_ = ontoLimits(X_);
   from_q_ = q_;
   elapsed_ = 0.0;
   pace_ = ratio_;
@@ -192,6 +197,11 @@ double ServoTarget::duration(const Move& move) const noexcept {
 
 bool ServoTarget::isMoving() const noexcept {
   return motion_ == Motion::kMove || moves_jaw_;
+}
+
+/** A move that ends in its first ticks was busy, too: its client waits for that, and then for the end. */
+bool ServoTarget::isBusy() const noexcept {
+  return isMoving() || busy_left_ > 0;
 }
 
 bool ServoTarget::hasGoal() const noexcept {

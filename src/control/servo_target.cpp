@@ -10,8 +10,6 @@
 namespace raven2_trainer::control {
 namespace {
 
-using kinematics::IkStatus;
-
 constexpr double kNormError = 0.02;    // of a quaternion, as ITP's receivers allow (sources.md 2.2)
 constexpr double kLeastRatio = 0.001;  // below it a move takes hours
 
@@ -30,6 +28,8 @@ constexpr double kMostReachSteps = 64;  // 0.64 m: farther than an arm reaches
 constexpr double kMostJointSteps = 32;  // 0.33 m of insertion and 364 degrees of roll: all that arms.yaml allows
 
 constexpr double kSameJoint = 1e-3;  // [rad; m] at the end of a path in joints: another solution is farther away
+
+constexpr Tick kSeenBusy = 50;  // in which a publisher that is late by 40 ms still sees that a move began; ours
 
 template <std::size_t N>
 bool areFinite(const std::array<double, N>& values) noexcept {
@@ -81,6 +81,14 @@ ServoJoints sum(const ServoJoints& a, const ServoJoints& b) noexcept {
   for (std::size_t j = 0; j < kServoJointCount; ++j)
     result[j] = a[j] + b[j];
   return result;
+}
+
+/** [rad; m] Between two arms' joints, the largest difference. */
+double farthest(const JointArray& a, const JointArray& b) noexcept {
+  double most = 0.0;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    most = std::max(most, std::abs(a[j] - b[j]));
+  return most;
 }
 
 ServoJoints withShoulder(ServoJoints joints, const ServoCommand& command) noexcept {
@@ -192,10 +200,20 @@ void ServoTarget::hold() noexcept {
 void ServoTarget::servo(Motion motion) noexcept {
   motion_ = motion;
   move_count_ = 0;
+  busy_left_ = 0;
 }
 
-ServoVerdict ServoTarget::takeJoints(const ServoJoints& joints) noexcept {
-  ServoVerdict verdict = checkJoints(joints);
+/** The path of a motion that was accepted is looked at in steps of kReachStep: it may end between two of them. */
+void ServoTarget::endEarly() noexcept {
+  const Tick left = busy_left_;
+  servo(Motion::kHold);
+  busy_left_ = left;
+  ++ended_;
+}
+
+ServoVerdict ServoTarget::takeJoints(const ServoJoints& wanted) noexcept {
+  ServoJoints joints = wanted;
+  ServoVerdict verdict = fitJoints(&joints);
   if (verdict.reason == ServoRefusal::kNone) verdict = checkStep(joints);
   if (verdict.reason != ServoRefusal::kNone) return verdict;
   const JointArray to = withServoJoints(q_, joints);
@@ -218,9 +236,10 @@ ServoVerdict ServoTarget::takePose(const Pose& X_BT) noexcept {
   const ServoVerdict verdict = checkStep(X_BT);
   if (verdict.reason != ServoRefusal::kNone) return verdict;
   JointArray q = q_;
-  if (!reaches(X_, X_BT, &q)) return {ServoRefusal::kUnreachable};
+  Pose to = X_BT;
+  if (!reaches(X_, &to, &q)) return {ServoRefusal::kUnreachable};
   servo(Motion::kPose);
-  goal_X_ = X_BT;
+  goal_X_ = to;
   return {};
 }
 
@@ -266,8 +285,8 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
   if (move.in_joints) {
     const bool is_by = command.kind == ServoKind::kMoveJointsBy;
     const ServoJoints from_q = servoJoints(motion_ == Motion::kJoints ? goal_q_ : move.q);
-    const ServoJoints joints = is_by ? sum(from_q, command.joints) : command.joints;
-    const ServoVerdict verdict = checkJoints(joints);
+    ServoJoints joints = is_by ? sum(from_q, command.joints) : command.joints;
+    const ServoVerdict verdict = fitJoints(&joints);
     if (verdict.reason != ServoRefusal::kNone) return verdict;
     const JointArray to = withServoJoints(move.q, joints);
     if (!reaches(move.q, to)) return {ServoRefusal::kUnreachable};
@@ -275,12 +294,14 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
     move.X = poseOf(to);
   } else {
     move.X = poseIn(command);
-    if (!reaches(from, move.X, &move.q)) return {ServoRefusal::kUnreachable};
+    if (!reaches(from, &move.X, &move.q)) return {ServoRefusal::kUnreachable};
   }
   moves_[waiting] = move;
   move_count_ = waiting + 1;
   motion_ = Motion::kMove;
-  if (waiting == 0) beginMove();
+  if (waiting > 0) return {};
+  busy_left_ = kSeenBusy;
+  beginMove();
   return {};
 }
 
@@ -288,6 +309,7 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
 ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   constexpr auto kJaws = static_cast<std::uint8_t>(kServoJointCount);
   if (is_move && std::abs(opening - kDvrkClosed) < kSameJoint) opening = kMinOpening;
+  opening = ontoLimit(opening, kMinOpening, kMaxOpening);
   if (opening < kMinOpening) return {ServoRefusal::kOutOfRange, kJaws, 1, opening, kMinOpening};
   if (opening > kMaxOpening) return {ServoRefusal::kOutOfRange, kJaws, 1, opening, kMaxOpening};
   servos_jaw_ = !is_move;
@@ -298,16 +320,25 @@ ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   return {};
 }
 
-ServoVerdict ServoTarget::checkJoints(const ServoJoints& joints) const noexcept {
+/** Puts joints that are hardly beyond their limits onto them. A client that commands one joint, or sends a published
+ * set point back, would otherwise be refused at a limit. */
+ServoVerdict ServoTarget::fitJoints(ServoJoints* joints) const noexcept {
   for (std::size_t j = 0; j < kServoJointCount; ++j) {
     const bool is_midline = j + 1 == kServoJointCount;  // which the robot holds against the lower one alone
     const double low = is_midline ? geometry_.q_min[kGrasp1] : geometry_.q_min[j];
     const double high = is_midline ? geometry_.q_max[kGrasp2] : geometry_.q_max[j];
-    if (joints[j] >= low && joints[j] <= high) continue;
+    double& value = (*joints)[j];
+    value = ontoLimit(value, low, high);
+    if (value >= low && value <= high) continue;
     const auto is_turn = static_cast<std::uint8_t>(j != kInsertion);
-    return {ServoRefusal::kOutOfRange, static_cast<std::uint8_t>(j), is_turn, joints[j], joints[j] < low ? low : high};
+    return {ServoRefusal::kOutOfRange, static_cast<std::uint8_t>(j), is_turn, value, value < low ? low : high};
   }
   return {};
+}
+
+bool ServoTarget::areWithinLimits(const ServoJoints& joints) const noexcept {
+  ServoJoints fitted = joints;
+  return fitJoints(&fitted).reason == ServoRefusal::kNone && fitted == joints;
 }
 
 ServoVerdict ServoTarget::checkStep(const ServoJoints& joints) const noexcept {
@@ -328,13 +359,19 @@ ServoVerdict ServoTarget::checkStep(const Pose& X_BT) const noexcept {
   return {};
 }
 
-/** Along the straight line. @param[in,out] q [rad; m] joints at its start, then at its end. */
-bool ServoTarget::reaches(const Pose& from, const Pose& to, JointArray* q) const noexcept {
-  const double wanted = std::max(distance(from, to) / kReachStep, turnBetween(to.R, from.R) / kReachTurn);
+/** Along the straight line. @param[in,out] to one that is hardly beyond a joint's limit becomes the pose at the limit.
+ *  @param[in,out] q [rad; m] joints at its start, then at its end. */
+bool ServoTarget::reaches(const Pose& from, Pose* to, JointArray* q) const noexcept {
+  const double wanted = std::max(distance(from, *to) / kReachStep, turnBetween(to->R, from.R) / kReachTurn);
   const double steps = std::clamp(std::ceil(wanted), 1.0, kMostReachSteps);
+  JointArray start = *q;
+  std::optional<double> beyond = solve(from, &start);
+  const double most_beyond = std::min(beyond.value_or(0.0), kBeyondLimit) + kLimitRounding;  // as stepAlong()
   for (double i = 1.0; i <= steps; i += 1.0) {
-    if (solve(between(from, to, i / steps), q) != Solved::kThere) return false;
+    beyond = solve(between(from, *to, i / steps), q);
+    if (!beyond || *beyond > (i < steps ? most_beyond : kBeyondLimit)) return false;
   }
+  if (*beyond > 0.0) *to = poseOf(*q);
   return true;
 }
 
@@ -348,7 +385,7 @@ bool ServoTarget::reaches(const JointArray& from, const JointArray& to) const no
   const double steps = std::min(std::ceil(wanted), kMostJointSteps);
   JointArray q = from;
   for (double i = 0.0; i <= steps; i += 1.0) {
-    if (solve(poseOf(withServoJoints(from, between(begin, end, i / steps))), &q) == Solved::kNowhere) return false;
+    if (!solve(poseOf(withServoJoints(from, between(begin, end, i / steps))), &q)) return false;
   }
   const ServoJoints reached = servoJoints(q);
   for (std::size_t j = 0; j < kServoJointCount; ++j) {
@@ -357,14 +394,22 @@ bool ServoTarget::reaches(const JointArray& from, const JointArray& to) const no
   return true;
 }
 
-/** Joints for a pose, near those given: by the model's inverse, where the robot's has any.
- *  @param[in,out] q [rad; m] unchanged without a solution. */
-ServoTarget::Solved ServoTarget::solve(const Pose& X_BT, JointArray* q) const noexcept {
-  if (kinematics::isFirstWristPointAtRcm(geometry_, X_BT)) return Solved::kNowhere;
-  const auto ik = kinematics::inverseWithinLimits(geometry_, arm_, X_BT, opening_, *q);
-  if (!kinematics::isUsable(ik.status)) return Solved::kNowhere;
+/** Joints within their limits for a pose, near those given: by the model's inverse, where the robot's has any.
+ *  @param[in,out] q [rad; m] unchanged without a solution.
+ *  @return [rad; m] how far the solution was beyond the limits; nothing without a solution. */
+std::optional<double> ServoTarget::solve(const Pose& X_BT, JointArray* q) const noexcept {
+  if (kinematics::isFirstWristPointAtRcm(geometry_, X_BT)) return std::nullopt;
+  const auto ik = kinematics::inverse(geometry_, arm_, X_BT, opening_, *q);
+  if (!kinematics::isUsable(ik.status)) return std::nullopt;
   *q = ik.q;
-  return ik.status == IkStatus::kClamped ? Solved::kAtLimit : Solved::kThere;
+  return kinematics::applyJointLimits(geometry_, q) ? farthest(ik.q, *q) : 0.0;
+}
+
+/** A pose that is hardly beyond a joint's limit becomes the pose at the limit. */
+Pose ServoTarget::ontoLimits(const Pose& X_BT) const noexcept {
+  JointArray q = q_;
+  const auto beyond = solve(X_BT, &q);
+  return beyond && *beyond > 0.0 && *beyond <= kBeyondLimit ? poseOf(q) : X_BT;
 }
 
 }  // namespace raven2_trainer::control

@@ -433,12 +433,13 @@ void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointAr
     ServoArmState& out = at(state.arms, arm);
     const control::ServoTarget& target = at(targets_, arm);
     const JointArray q = at(rests_, arm).trim.without(at(q_d, arm));
-    out.is_busy = isHoming() || target.isMoving() ? 1 : 0;
+    out.is_busy = isHoming() || target.isBusy() ? 1 : 0;
     out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
     out.setpoint_q = control::servoJoints(q);
     out.setpoint_jaw = kinematics::jawOpening(q);
     out.ratio = target.ratio();
     out.run_out = target.runOut() + at(forces_run_out_, arm);
+    out.ended = target.ended();
     out.goal_B = target.hasGoal() ? toArray(target.goal()) : out.setpoint_B;
   }
   state.received = received_;

@@ -33,10 +33,10 @@ class CrtkRaven(unittest.TestCase):
         until(lambda: cls.states, 40, "the daemon")
         until(lambda: cls.states[-1].is_homed and not cls.states[-1].is_busy, 40, "homed")
         until(lambda: cls.states[-1].state == "PAUSED", 5, "a homed Raven whose pedal is up")
-        kinds = {"/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped, "/arm1/servo_cr": TransformStamped,
-                 "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState, "/arm1/servo_jv": JointState,
-                 "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState, "/grasp1/servo_jv": JointState,
-                 "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
+        kinds = {"/state_command": StringStamped, "/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped,
+                 "/arm1/servo_cr": TransformStamped, "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState,
+                 "/arm1/servo_jv": JointState, "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState,
+                 "/grasp1/servo_jv": JointState, "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
         cls.say = {topic: rospy.Publisher(topic, kind, queue_size=1, latch=True) for topic, kind in kinds.items()}
         cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # the client's first line; latched
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
@@ -81,7 +81,7 @@ class CrtkRaven(unittest.TestCase):
             print(f"{arm}: 4 mm asked for, moved by", ", ".join(f"{1e3 * m:.3f}" for m in moved), "mm")
             self.assertLess(math.dist(moved, (0.0, 0.0, 4e-3)), 1e-3)
 
-    def test_2_a_pose_that_was_told_can_be_asked_for(self):
+    def test_2_a_published_pose_can_be_commanded(self):
         goal = self.next("/arm1/measured_cp", TransformStamped)
         goal.header = Header()  # with its stamp it would soon be too old
         goal.transform.translation.z -= 2e-3
@@ -99,7 +99,7 @@ class CrtkRaven(unittest.TestCase):
         self.assertAlmostEqual(after.position[0] - before.position[0], 0.05, delta=5e-3)
         opening = [sum(m.position[5:7]) for m in (before, after)]
         self.assertAlmostEqual(opening[1] - opening[0], -0.2, delta=0.02)
-        self.stream("/grasp1/servo_jr", JointState(position=[0.002]), 100)
+        self.stream("/grasp1/servo_jr", JointState(name=["grasp"], position=[0.002]), 100)  # named as by crtk-cpp
         grasp = self.next("/grasp1/measured_js", JointState)
         self.assertEqual(list(grasp.name), ["gold_grasp", "gold_jaw1", "gold_jaw2"])
         self.assertAlmostEqual(grasp.position[0], opening[0], delta=0.03)
@@ -136,6 +136,14 @@ class CrtkRaven(unittest.TestCase):
         until(lambda: self.states[-1].state == "ENABLED", 5, "resumed")
         self.say["/arm1/state_command"].publish(StringStamped(string="pause"))  # the client's destructor
         until(lambda: self.states[-1].state == "PAUSED", 5, "paused")
+
+    def test_7_both_arms_have_a_state_and_commands_without_a_namespace(self):
+        both = []
+        subscriber = rospy.Subscriber("/operating_state", OperatingState, both.append)
+        for word, state in (("resume", "ENABLED"), ("pause", "PAUSED")):
+            self.say["/state_command"].publish(StringStamped(string=word))
+            until(lambda state=state: self.states[-1].state == state and both and both[-1].state == state, 5, state)
+        subscriber.unregister()
 
 
 if __name__ == "__main__":

@@ -2,9 +2,11 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/control/servo.h"
+#include "raven2_trainer/control/servo_trim.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 
@@ -16,6 +18,16 @@ struct ServoVerdict {
   std::uint8_t joint{}, is_turn{};
   double value{}, limit{};
 };
+
+/** [rad; m] A goal this far beyond a joint's limit is the limit. The published set point of an arm at a limit is up to
+ * 12 urad or 0.7 um beyond it, because poses are in whole micrometres; ServoTrim keeps the same distance. */
+constexpr double kBeyondLimit = ServoTrim::kInside;
+
+/** The nearest value within the limits, if `value` is within kBeyondLimit of them; else `value`. */
+constexpr double ontoLimit(double value, double low, double high) noexcept {
+  if (value < low && low - value <= kBeyondLimit) return low;
+  return value > high && value - high <= kBeyondLimit ? high : value;
+}
 
 /** Joints of an arm without its jaws' opening, and back; the opening stays that of `q`. */
 ServoJoints servoJoints(const JointArray& q) noexcept;
@@ -51,14 +63,15 @@ class ServoTarget {
   const JointArray& joints() const noexcept { return q_; }    ///< [rad; m] of it
   double opening() const noexcept { return opening_; }        ///< [rad]
   bool isMoving() const noexcept;                             ///< a move_* is not over
+  bool isBusy() const noexcept;                               ///< the same, long enough to be published
   double ratio() const noexcept { return ratio_; }            ///< of move_speed and move_turn_rate
   std::uint32_t runOut() const noexcept { return run_out_; }  ///< twists and rates that their time-out ended
+  std::uint32_t ended() const noexcept { return ended_; }     ///< motions whose path led no farther
   bool hasGoal() const noexcept;                              ///< something leads somewhere
   Pose goal() const noexcept;                                 ///< where the newest command leads; else the set point
 
  private:
   enum class Motion : std::uint8_t { kHold, kJoints, kPose, kTwist, kRates, kMove };
-  enum class Solved : std::uint8_t { kNowhere, kAtLimit, kThere };  ///< kAtLimit: by joints that were clamped
   struct Move {
     bool in_joints{};
     JointArray q{};  ///< its end
@@ -69,7 +82,7 @@ class ServoTarget {
     Tick elapsed{};
   };
 
-  ServoVerdict takeJoints(const ServoJoints& joints) noexcept;
+  ServoVerdict takeJoints(const ServoJoints& wanted) noexcept;
   ServoVerdict takePose(const Pose& X_BT) noexcept;
   ServoVerdict takePose(const ServoCommand& command) noexcept;
   ServoVerdict takeTwist(const ServoCommand& command) noexcept;
@@ -77,14 +90,17 @@ class ServoTarget {
   ServoVerdict takeRatio(double ratio) noexcept;
   ServoVerdict takeMove(const ServoCommand& command) noexcept;
   ServoVerdict takeJaw(double opening, bool is_move) noexcept;
-  ServoVerdict checkJoints(const ServoJoints& joints) const noexcept;
+  ServoVerdict fitJoints(ServoJoints* joints) const noexcept;
+  bool areWithinLimits(const ServoJoints& joints) const noexcept;
   ServoVerdict checkStep(const ServoJoints& joints) const noexcept;
   ServoVerdict checkStep(const Pose& X_BT) const noexcept;
   bool isServoTooFar() const noexcept;
-  bool reaches(const Pose& from, const Pose& to, JointArray* q) const noexcept;
+  bool reaches(const Pose& from, Pose* to, JointArray* q) const noexcept;
   bool reaches(const JointArray& from, const JointArray& to) const noexcept;
-  Solved solve(const Pose& X_BT, JointArray* q) const noexcept;
+  std::optional<double> solve(const Pose& X_BT, JointArray* q) const noexcept;
+  Pose ontoLimits(const Pose& X_BT) const noexcept;
   void servo(Motion motion) noexcept;
+  void endEarly() noexcept;
 
   void stepJaw() noexcept;
   void stepJoints() noexcept;
@@ -117,7 +133,8 @@ class ServoTarget {
   Vector3 v_{Vector3::Zero()}, w_{v_};  ///< [m/s], [rad/s] kTwist
   ServoJoints rates_{};                 ///< [rad/s; m/s] kRates
   Tick twist_left_{0};                  ///< of either; below 0 it slows down
-  std::uint32_t run_out_{0};
+  std::uint32_t run_out_{0}, ended_{0};
+  Tick busy_left_{0};                 ///< until isBusy() may end with its move
   double ratio_{1.0}, pace_{1.0};     ///< of moves that begin; of the one under way
   std::array<Move, kMoves> moves_{};  ///< kMove: the first is under way
   std::size_t move_count_{0};

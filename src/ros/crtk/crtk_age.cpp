@@ -4,6 +4,8 @@
 #include <ros/this_node.h>
 #include <xmlrpcpp/XmlRpcException.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "ros/node/name_of.h"
@@ -49,13 +51,15 @@ std::optional<CrtkPublishers> publishersIn(XmlRpc::XmlRpcValue state) {
   return publishers;
 }
 
-bool CrtkStored::mayBe(const ros::M_stringPtr& connection) {
-  if (!connection || valueOf(*connection, "latching") != "1") return false;
+CrtkStorage CrtkStored::storageOf(const ros::M_stringPtr& connection, const ros::Time& stamp) {
+  if (!connection || valueOf(*connection, "latching") != "1") return CrtkStorage::kNew;
   const std::string publisher = valueOf(*connection, "callerid");
-  const auto [found, is_new] = latching_.try_emplace(publisher, connection);
-  if (!is_new && found->second == connection) return false;
-  found->second = connection;
-  return !is_new || wasBefore(publisher);
+  Latching& known = latching_[publisher];
+  const bool is_new = !known.connection, is_first = known.connection != connection;
+  const bool is_repeated = !stamp.isZero() && stamp <= known.newest;
+  known = {connection, std::max(known.newest, stamp)};
+  if (!is_first || (is_new && !wasBefore(publisher))) return CrtkStorage::kNew;
+  return is_repeated ? CrtkStorage::kStored : CrtkStorage::kUnknown;
 }
 
 bool isSafer(const ServoCommand& command) noexcept {
@@ -72,9 +76,10 @@ bool isSafer(const ServoCommand& command) noexcept {
 
 CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin) {
   if (!asked.command || isSafer(*asked.command)) return asked;
-  if (origin.may_be_stored)
-    return refuse(*asked.command, origin.publisher + " latches its topic, so the message may be old; send it again");
   const double age = origin.stamp.isZero() ? 0.0 : (origin.now - origin.stamp).toSec();
+  const bool is_fresh = !origin.stamp.isZero() && std::abs(age) <= kOldest;
+  if (origin.storage == CrtkStorage::kStored || (origin.storage == CrtkStorage::kUnknown && !is_fresh))
+    return refuse(*asked.command, origin.publisher + " latches its topic, so the message may be old; send it again");
   if (age <= kOldest) return asked;
   char text[128];
   std::snprintf(text, sizeof text, "stamped %.4g s ago, at most %.4g s; clocks must agree, or leave the stamp out", age,

@@ -1,29 +1,14 @@
 #include "ros/crtk/crtk_arm.h"
 
-#include <ros/advertise_options.h>
 #include <std_msgs/Bool.h>
 #include <std_msgs/Float64.h>
 
 #include "raven2_trainer/control/servo_target.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/net/clock.h"
-#include "ros/node/name_of.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
-
-/** With the name that the clients of a dialect know the type by; fields and check sum are the same. */
-ros::Publisher advertiseState(ros::NodeHandle* node, const std::string& topic, CrtkDialect dialect) {
-  ros::AdvertiseOptions options;
-  options.init<crtk::OperatingState>(topic, 1);
-  options.latch = true;
-  if (dialect == CrtkDialect::kRaven) options.datatype = crtk::kRetiredOperatingStateType;
-  return node->advertise(options);
-}
-
-bool differs(const crtk::OperatingState& a, const crtk::OperatingState& b) {
-  return a.state != b.state || a.is_homed != b.is_homed || a.is_busy != b.is_busy;
-}
 
 /** In the dialect of the robot's own branch measured_cp is in its turned base, setpoint_cp in the base itself. */
 CrtkStyle styleOf(const CrtkConfig& config, Arm arm, const Pose& X_WB, const std::string& above) {
@@ -57,14 +42,13 @@ CrtkArm::CrtkArm(ros::NodeHandle* node,
     : arm_(arm),
       geometry_(geometry),
       X_WB_(X_WB),
-      state_period_(config.state_period),
       twist_timeout_(twistTimeout(config)),
       voice_(*voice),
       contacts_(body_names),
       own_(node, styleOf(config, arm, X_WB, "")),
-      model_(node, styleOf(config, arm, X_WB, "model/")) {
+      model_(node, styleOf(config, arm, X_WB, "model/")),
+      state_(node, at(config.names, arm) + "/operating_state", config) {
   const std::string& name = at(config.names, arm);
-  operating_state_ = advertiseState(node, name + "/operating_state", config.dialect);
   is_valid_ = node->advertise<std_msgs::Bool>(name + "/is_valid", 1, /*latch=*/true);
   ratio_ = node->advertise<std_msgs::Float64>(name + "/trajectory_j/ratio", 1, /*latch=*/true);
   timeout_ = node->advertise<std_msgs::Float64>(name + "/twist_timeout", 1, /*latch=*/true);
@@ -75,6 +59,7 @@ void CrtkArm::publish(const CrtkCycle& cycle) {
   publishState(cycle);
   reportAlone(cycle.servo);
   reportRunOut(at(cycle.servo.arms, arm_));
+  reportEnded(at(cycle.servo.arms, arm_));
   publishRatio(at(cycle.servo.arms, arm_).ratio);
   publishOwn(cycle);
   publishModel(cycle);
@@ -82,19 +67,8 @@ void CrtkArm::publish(const CrtkCycle& cycle) {
 
 void CrtkArm::publishState(const CrtkCycle& cycle) {
   const ServoState& servo = cycle.servo;
-  crtk::OperatingState now;
-  now.header.stamp = cycle.stamp;
-  now.state = nameOf(kOperatingStateNames, servo.state);
-  now.is_homed = servo.is_homed;
-  now.is_busy = at(servo.arms, arm_).is_busy;
-  const bool is_new = !has_published_ || differs(now, published_);
-  const double age = static_cast<double>(servo.tick - last_tick_published_) * kTickSeconds;
-  if (!is_new && age >= 0.0 && age < state_period_) return;
-  operating_state_.publish(now);
-  if (has_published_ && now.state != published_.state) voice_.say(level(servo.state), sentence(servo.state));
-  published_ = now;
-  last_tick_published_ = servo.tick;
-  has_published_ = true;
+  if (state_.publish(servo, at(servo.arms, arm_).is_busy != 0, cycle.stamp))
+    voice_.say(level(servo.state), sentence(servo.state));
 }
 
 void CrtkArm::reportAlone(const ServoState& servo) {
@@ -107,6 +81,13 @@ void CrtkArm::reportRunOut(const ServoArmState& arm) {
   if (arm.run_out == reported_run_out_) return;
   reported_run_out_ = arm.run_out;
   voice_.say(CrtkLevel::kWarning, runOutSentence(twist_timeout_));
+}
+
+/** Once a second: a client may go on pushing. */
+void CrtkArm::reportEnded(const ServoArmState& arm) {
+  if (arm.ended == reported_ended_) return;
+  reported_ended_ = arm.ended;
+  voice_.complain(CrtkLevel::kWarning, "ended", kEndedSentence, net::monotonicNow());
 }
 
 void CrtkArm::publishRatio(double ratio) {

@@ -8,7 +8,7 @@
 
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/arms_config.h"
-#include "ros/crtk/crtk_messages.h"
+#include "ros/crtk/crtk_state_topic.h"
 #include "ros/crtk/crtk_states.h"
 #include "ros/crtk/crtk_topics.h"
 #include "ros/crtk/crtk_voice.h"
@@ -48,6 +48,7 @@ class CrtkArm {
   void publishState(const CrtkCycle& cycle);
   void reportAlone(const ServoState& servo);
   void reportRunOut(const ServoArmState& arm);
+  void reportEnded(const ServoArmState& arm);
   void publishRatio(double ratio);
   void publishSource();
   void publishOwn(const CrtkCycle& cycle);
@@ -57,19 +58,17 @@ class CrtkArm {
   const Arm arm_;
   const ArmGeometry geometry_;
   const Pose X_WB_;
-  const double state_period_, twist_timeout_;
+  const double twist_timeout_;
   CrtkVoice& voice_;
   ArmContacts contacts_;
   CrtkTopics own_, model_;
   MeasuredSource source_;
   SetpointRate setpoint_rate_, model_rate_;
 
-  ros::Publisher operating_state_, is_valid_, ratio_, timeout_;
-  crtk::OperatingState published_;
-  bool has_published_{false};
+  CrtkStateTopic state_;
+  ros::Publisher is_valid_, ratio_, timeout_;
   bool was_alone_{false};
-  Tick last_tick_published_{};
-  std::uint32_t reported_run_out_{0};
+  std::uint32_t reported_run_out_{0}, reported_ended_{0};
   double published_ratio_{-1.0};
   MeasuredFrom published_from_{MeasuredFrom::kNone};
   bool has_published_source_{false};

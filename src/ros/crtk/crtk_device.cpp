@@ -57,6 +57,8 @@ CrtkDevice::CrtkDevice(const ros::NodeHandle& node, const TopicSource& source, S
     at(kinematics_, arm) = std::make_unique<CrtkKinematics>(&node_, arm, at(config.names, arm), source.geometry, X_WB,
                                                             config.dialect == CrtkDialect::kRaven);
   }
+  if (config.dialect == CrtkDialect::kRaven)
+    state_ = std::make_unique<CrtkStateTopic>(&node_, "operating_state", config);
   spinner_.start();
   publisher_.start(
       config.period, [this] { publish(); }, Missed::kMadeUp);
@@ -89,9 +91,11 @@ void CrtkDevice::stop() {
 void CrtkDevice::publish() {
   reportRefused();
   if (!loadCycle()) return;
-  cycle_.stamp = stamp_.of(cycle_.model.time_ns, net::monotonicNow(), ros::Time::now());
+  cycle_.stamp = stamp_.of(cycle_.model.time_ns, momentNow());
   for (const auto& arm : arms_)
     arm->publish(cycle_);
+  const auto& servo = cycle_.servo.arms;
+  if (state_ != nullptr) state_->publish(cycle_.servo, servo[0].is_busy + servo[1].is_busy > 0, cycle_.stamp);
 }
 
 /** @return false if the loop has done nothing new. */
@@ -110,11 +114,8 @@ bool CrtkDevice::loadCycle() {
 
 void CrtkDevice::reportRefused() {
   ServoRefused refused;
-  while (shared_.servo_refused.tryPop(&refused)) {
-    const std::string about =
-        std::to_string(static_cast<int>(refused.kind)) + "/" + std::to_string(static_cast<int>(refused.reason));
-    at(voices_, refused.arm)->complain(level(refused), about, sentence(refused), net::monotonicNow());
-  }
+  while (shared_.servo_refused.tryPop(&refused))
+    at(voices_, refused.arm)->complain(level(refused), aboutOf(refused), sentence(refused), net::monotonicNow());
 }
 
 }  // namespace raven2_trainer::ros_bridge

@@ -12,9 +12,10 @@
 #include "ros/crtk/crtk_inbox.h"
 #include "ros/crtk/crtk_kinematics.h"
 #include "ros/crtk/crtk_listener.h"
+#include "ros/crtk/crtk_stamp.h"
+#include "ros/crtk/crtk_state_topic.h"
 #include "ros/crtk/crtk_voice.h"
 #include "ros/node/periodic_thread.h"
-#include "ros/pictures/picture_stamp.h"
 
 namespace raven2_trainer::ros_bridge {
 
@@ -56,7 +57,8 @@ class CrtkDevice {
   PerArm<std::unique_ptr<CrtkArm>> arms_;
   PerArm<std::unique_ptr<CrtkListener>> listeners_;
   PerArm<std::unique_ptr<CrtkKinematics>> kinematics_;
-  PictureStamp stamp_;
+  std::unique_ptr<CrtkStateTopic> state_;  ///< of both arms, in the robot's own dialect
+  CrtkStamp stamp_;
   CrtkCycle cycle_;
   Tick published_{-1};
   PeriodicThread publisher_;

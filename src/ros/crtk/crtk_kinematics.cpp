@@ -11,6 +11,8 @@
 namespace raven2_trainer::ros_bridge {
 namespace {
 
+constexpr double kSamePose = 1e-9;  // [m, -] rounding of both kinematics; a robot resolves a micrometre
+
 std::vector<double> jointsOf(const JointArray& q, bool is_raven) {
   if (is_raven) return {q.begin(), q.end()};
   const ServoJoints joints = control::servoJoints(q);
@@ -40,10 +42,19 @@ double distanceBetween(const JointArray& a, const JointArray& b) {
   return sum;
 }
 
+/** Whether joints that were put onto their limits still lead to the pose: those of a pose at a limit are beyond it by
+ * rounding. */
+bool leadTo(const Pose& X_BT, const ArmGeometry& geometry, Arm arm, const JointArray& q) {
+  const Pose X = kinematics::forward(geometry, arm, q);
+  return (X.p - X_BT.p).norm() < kSamePose && (X.R - X_BT.R).norm() < kSamePose;
+}
+
 /** As the robot chooses, and where it would refuse a pose for being far from `near`, the nearest within the limits. */
 kinematics::IkResult inverseNear(const ArmGeometry& geometry, Arm arm, const Pose& X_BT, const JointArray& near) {
   const double opening = kinematics::jawOpening(near);
   kinematics::IkResult result = kinematics::inverseWithinLimits(geometry, arm, X_BT, opening, near);
+  if (result.status == kinematics::IkStatus::kClamped && leadTo(X_BT, geometry, arm, result.q))
+    result.status = kinematics::IkStatus::kOk;
   if (result.status == kinematics::IkStatus::kOk || result.status == kinematics::IkStatus::kSingularWrist)
     return result;
   kinematics::IkSolutions solutions;
@@ -51,9 +62,10 @@ kinematics::IkResult inverseNear(const ArmGeometry& geometry, Arm arm, const Pos
   bool is_found = false;
   for (const kinematics::IkSolution& solution : solutions) {
     JointArray within = solution.q;
-    if (!solution.valid || kinematics::applyJointLimits(geometry, &within)) continue;
-    if (is_found && distanceBetween(solution.q, near) >= distanceBetween(result.q, near)) continue;
-    result = {kinematics::IkStatus::kOk, solution.q};
+    if (!solution.valid) continue;
+    if (kinematics::applyJointLimits(geometry, &within) && !leadTo(X_BT, geometry, arm, within)) continue;
+    if (is_found && distanceBetween(within, near) >= distanceBetween(result.q, near)) continue;
+    result = {kinematics::IkStatus::kOk, within};
     is_found = true;
   }
   return result;

@@ -78,8 +78,12 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
       base_(baseFrame(arm)),
       before_(before),
       inbox_(*inbox),
-      voice_(*voice) {
-  hearState(may_command);
+      voice_(*voice),
+      lasting_([this](const std::string& topic) { return subscribers_[timed_.at(topic)].getNumPublishers(); },
+               [this](const std::string& topic) { return publishersOf({subscribers_[timed_.at(topic)].getTopic()}); },
+               twistTimeout(config)) {
+  hearState(inArm("state_command"), may_command);
+  if (is_raven_ && arm == Arm::kGold) hearState("state_command", may_command);  // of both arms, as there
   hearPlain(ServoKind::kHold);
   if (!may_command) return;
   hearMotion();
@@ -89,8 +93,8 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
   timer_ = node_.createWallTimer(ros::WallDuration(kLeaving), [this](const ros::WallTimerEvent&) { endLeftTwists(); });
 }
 
-void CrtkListener::hearState(bool may_command) {
-  hear<crtk::StringStamped>(inArm("state_command"), kOrdered, [this, may_command](const crtk::StringStamped& message) {
+void CrtkListener::hearState(const std::string& topic, bool may_command) {
+  hear<crtk::StringStamped>(topic, kOrdered, [this, may_command](const crtk::StringStamped& message) {
     CrtkAsked asked = readState(arm_, message.string);
     if (may_command || !asked.command || isSafer(*asked.command)) return asked;
     return CrtkAsked{std::nullopt, "state_command: a network may pause and disable, no more (enable_remote_control)"};
@@ -150,26 +154,9 @@ void CrtkListener::hearSettings() {
     });
 }
 
-/** A command that lasts until its time-out came, from one of the nodes that publish its topic now. */
-void CrtkListener::watchClients(const std::string& topic) {
-  const auto found = timed_.find(topic);
-  if (found == timed_.end()) return;
-  const ros::Subscriber& heard = subscribers_[found->second];
-  const std::size_t publishers = heard.getNumPublishers();
-  if (topic == lasting_ && publishers == publishers_) return;
-  clients_.watch(publishersOf({heard.getTopic()}));
-  publishers_ = publishers;
-  lasting_ = topic;
-}
-
 /** A client that is gone cannot stop its twist. roscpp does not say whose a message was, so each that goes ends it. */
 void CrtkListener::endLeftTwists() {
-  if (lasting_.empty()) return;
-  const bool all_publish = subscribers_[timed_.at(lasting_)].getNumPublishers() >= publishers_;
-  if (all_publish && !clients_.hasLost(net::monotonicNow())) return;
-  lasting_.clear();
-  clients_.watch({});
-  take("left", readNumber(arm_, ServoKind::kEndTwist, 0.0));
+  if (lasting_.hasLost(net::monotonicNow())) take("left", readNumber(arm_, ServoKind::kEndTwist, 0.0));
 }
 
 void CrtkListener::hearModern() {
@@ -243,8 +230,9 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
   const boost::function<void(const Event&)> callback = [this, topic, stored,
                                                         read = std::move(read)](const Event& event) {
     const Message& message = *event.getConstMessage();
-    const bool may_be_stored = stored->mayBe(event.getConnectionHeaderPtr());
-    const CrtkOrigin origin{event.getPublisherName(), may_be_stored, stampOf(message), ros::Time::now()};
+    const ros::Time stamp = stampOf(message);
+    const CrtkOrigin origin{event.getPublisherName(), stored->storageOf(event.getConnectionHeaderPtr(), stamp), stamp,
+                            ros::Time::now()};
     take(topic, unlessOld(read(message), origin));
   };
   const auto at_once = ros::TransportHints().tcpNoDelay();
@@ -257,7 +245,8 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
   const std::string refusal = inbox_.take(asked);
-  if (asked.command && isTimed(asked.command->kind)) watchClients(topic);
+  const bool lasts = asked.command && isTimed(asked.command->kind) && timed_.count(topic) > 0;
+  if (lasts) lasting_.take(topic, net::monotonicNow());
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }
 

@@ -12,8 +12,8 @@
 #include "raven2_trainer/control/crtk_config.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "ros/crtk/crtk_age.h"
-#include "ros/crtk/crtk_clients.h"
 #include "ros/crtk/crtk_inbox.h"
+#include "ros/crtk/crtk_lasting.h"
 #include "ros/crtk/crtk_voice.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -40,7 +40,7 @@ class CrtkListener {
                CrtkVoice* voice);
 
  private:
-  void hearState(bool may_command);
+  void hearState(const std::string& topic, bool may_command);
   void hearMotion();
   void hearModern();
   void hearRaven();
@@ -52,7 +52,6 @@ class CrtkListener {
   void hearForces();
   void hearWrench(const std::string& prefix, const CrtkFrame& frame, WrenchFrame where);
   void hearSettings();
-  void watchClients(const std::string& topic);
   void endLeftTwists();
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
@@ -72,10 +71,8 @@ class CrtkListener {
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::size_t> timed_;  ///< of them, by topic: what lasts until its time-out
-  std::string lasting_;        ///< topic of the newest of those, while all that may have sent it are there; else empty
-  std::size_t publishers_{0};  ///< of that topic, when it was heard
-  CrtkClients clients_;             ///< those publishers
-  bool is_absolute_{false};         ///< body/servo_cf is along the axes of `world`
+  CrtkLasting lasting_;                       ///< who sent those
+  bool is_absolute_{false};                   ///< body/servo_cf is along the axes of `world`
   ros::WallTimer timer_;
 };
 

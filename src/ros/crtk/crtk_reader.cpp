@@ -152,7 +152,8 @@ std::string rangeFault(const ArmGeometry& geometry, const ServoCommand& joints, 
     const bool is_jaw = j == kServoJointCount;
     const double value = is_jaw ? jaw.jaw : joints.joints[j];
     const auto [low, high] = limitsOf(geometry, j);
-    if (value >= low && value <= high) continue;
+    const double used = control::ontoLimit(value, low, high);
+    if (used >= low && used <= high) continue;
     ServoRefused refused;
     refused.kind = joints.kind;
     refused.reason = ServoRefusal::kOutOfRange;
@@ -271,10 +272,11 @@ CrtkAsked readRavenJoints(const ArmGeometry& geometry,
 }
 
 CrtkAsked readRavenJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message) {
-  if (message.position.size() < kJointCount) return readJaw(arm, kind, message);
-  sensor_msgs::JointState first;
-  first.position.assign(1, message.position.front());
-  return readJaw(arm, kind, first);
+  sensor_msgs::JointState unnamed = message;
+  unnamed.name.clear();
+  for (auto* const numbers : {&unnamed.position, &unnamed.effort})
+    if (numbers->size() >= kJointCount) numbers->resize(1);
+  return readJaw(arm, kind, unnamed);
 }
 
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message) {

@@ -68,7 +68,8 @@ CrtkAsked readTransform(Arm arm,
  * jaws are asked for anything if one is to be beyond its limits; jaws are not if a step leaves them as they are, which
  * would end their move. */
 CrtkAsked readRavenJoints(const ArmGeometry& geometry, Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
-/** Of its graspers: one number, the opening, or seven, of which the first is that, as there. */
+/** Of its graspers: one number, the opening, or seven or more, of which the first is that. Names are ignored, as there:
+ * crtk-cpp names the joint `grasp`. */
 CrtkAsked readRavenJaw(Arm arm, ServoKind kind, const sensor_msgs::JointState& message);
 /** Its servo_cv: translation in m/s; the rotation is that of one second, up to a whole revolution. */
 CrtkAsked readTransformTwist(Arm arm, const CrtkFrame& frame, const geometry_msgs::TransformStamped& message);

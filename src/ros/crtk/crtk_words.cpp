@@ -1,7 +1,10 @@
 #include "ros/crtk/crtk_words.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
+#include <iterator>
 
 #include "ros/crtk/crtk_reader.h"
 #include "ros/node/name_of.h"
@@ -11,10 +14,18 @@ namespace {
 
 constexpr std::int64_t kReadingTime = 1'000'000'000;  // [ns] a person reads a sentence in about a second
 
-std::string number(double value, const char* unit) {
+std::string number(double value, const char* unit, int digits = 4) {
   char text[48];
-  std::snprintf(text, sizeof text, "%.4g %s", value, unit);
+  std::snprintf(text, sizeof text, "%.*g %s", digits, value, unit);
   return text;
+}
+
+/** The part of a sentence that identifies it: "1e-05 m" becomes " m". */
+std::string withoutNumbers(const std::string& sentence) {
+  std::string words;
+  std::copy_if(sentence.begin(), sentence.end(), std::back_inserter(words),
+               [](char c) { return std::strchr("0123456789.+-e", c) == nullptr; });
+  return words;
 }
 
 /** A length above 1 m within an arm of 0.5 m, an angle above a whole turn: the client's units are others. */
@@ -29,7 +40,8 @@ std::string outOfRange(const ServoRefused& r) {
   const char* const name = is_jaw ? kJawName : kServoJointNames[r.joint];
   const char* const unit = is_turn ? "rad" : "m";
   const char* const bound = r.value > r.limit ? ", at most " : ", at least ";
-  return std::string(name) + " at " + number(r.value, unit) + bound + number(r.limit, unit) +
+  const int digits = std::abs(r.value - r.limit) < 1e-3 ? 7 : 4;  // or the two look the same
+  return std::string(name) + " at " + number(r.value, unit, digits) + bound + number(r.limit, unit, digits) +
          likelyCause(is_turn, r.value);
 }
 
@@ -131,6 +143,15 @@ std::string sentence(const ServoRefused& refused) {
   return std::string(nameOf(kServoKindNames, refused.kind)) + ": " + reason(refused);
 }
 
+std::string aboutOf(const ServoRefused& refused) {
+  std::string about =
+      std::to_string(static_cast<int>(refused.kind)) + "/" + std::to_string(static_cast<int>(refused.reason));
+  if (refused.kind == ServoKind::kState)
+    about +=
+        std::string("/") + nameOf(kStateCommandNames, refused.state) + "/" + nameOf(kOperatingStateNames, refused.in);
+  return about;
+}
+
 CrtkLevel level(const ServoRefused& refused) noexcept {
   return refused.reason == ServoRefusal::kRobotStop ? CrtkLevel::kError : CrtkLevel::kWarning;
 }
@@ -178,10 +199,21 @@ CrtkLevel level(MeasuredFrom from) noexcept {
   return from == MeasuredFrom::kModel ? CrtkLevel::kInfo : CrtkLevel::kWarning;
 }
 
+/** @return false if as many sentences as may be were said within a second. */
+bool CrtkPatience::makeRoom(Sentences* sentences, std::int64_t now_ns) {
+  if (sentences->size() < kSentences) return true;
+  for (auto said = sentences->begin(); said != sentences->end();)
+    said = now_ns - said->second.at_ns < kReadingTime ? std::next(said) : sentences->erase(said);
+  return sentences->size() < kSentences;
+}
+
 std::optional<std::string> CrtkPatience::pass(const std::string& about,
                                               const std::string& sentence,
                                               std::int64_t now_ns) {
-  const auto [found, is_new] = said_.try_emplace(about, Said{now_ns, 0});
+  Sentences& sentences = said_[about];
+  const std::string words = withoutNumbers(sentence);
+  if (sentences.count(words) == 0 && !makeRoom(&sentences, now_ns)) return std::nullopt;
+  const auto [found, is_new] = sentences.try_emplace(words, Said{now_ns, 0});
   Said& said = found->second;
   if (!is_new && now_ns - said.at_ns < kReadingTime) {
     ++said.left_out;

@@ -91,7 +91,7 @@ class ServoTargetTest : public ::testing::TestWithParam<Arm> {
   }
 
   /** The set point moved by and turned about z of B. */
-  Pose beside(const Vector3& by, double turn = 0.0) const {
+  Pose shifted(const Vector3& by, double turn = 0.0) const {
     return {Eigen::AngleAxisd(turn, Vector3::UnitZ()) * target.pose().R, target.pose().p + by};
   }
 
@@ -161,7 +161,7 @@ TEST_P(ServoTargetTest, ServoJpLeadsAllJointsThereTogetherAndNoFasterThanAllowed
 }
 
 TEST_P(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt) {
-  const Pose from = target.pose(), to = beside({0.008, -0.006, 0.004}, 0.1);
+  const Pose from = target.pose(), to = shifted({0.008, -0.006, 0.004}, 0.1);
   ASSERT_EQ(pose(ServoKind::kServoPose, to).reason, ServoRefusal::kNone);
   EXPECT_TRUE(target.hasGoal());
   EXPECT_NEAR((target.goal().p - to.p).norm(), 0.0, 1e-12);
@@ -179,7 +179,7 @@ TEST_P(ServoTargetTest, ServoCpLeadsAlongTheStraightLineWithTheTurnSpreadOverIt)
 }
 
 TEST_P(ServoTargetTest, TheNewestServoCommandCounts) {
-  const Pose first = beside({0.015, 0.0, 0.0}), second = beside({0.0, 0.01, 0.0});
+  const Pose first = shifted({0.015, 0.0, 0.0}), second = shifted({0.0, 0.01, 0.0});
   ASSERT_EQ(pose(ServoKind::kServoPose, first).reason, ServoRefusal::kNone);
   tick(50);
   ASSERT_EQ(pose(ServoKind::kServoPose, second).reason, ServoRefusal::kNone);
@@ -208,12 +208,12 @@ TEST_P(ServoTargetTest, RelativeServoCommandsAddUp) {
 
 TEST_P(ServoTargetTest, MillimetresForMetresAreTooFar) {
   const Pose before = target.pose();
-  const ServoVerdict far = pose(ServoKind::kServoPose, beside({5.0, 0.0, 0.0}));
+  const ServoVerdict far = pose(ServoKind::kServoPose, shifted({5.0, 0.0, 0.0}));
   EXPECT_EQ(far.reason, ServoRefusal::kTooFar);
   EXPECT_EQ(far.is_turn, 0);
   EXPECT_NEAR(far.value, 5.0, 1e-9);
   EXPECT_EQ(far.limit, 0.02);
-  const ServoVerdict turned = pose(ServoKind::kServoPose, beside({0.0, 0.0, 0.001}, 0.5));
+  const ServoVerdict turned = pose(ServoKind::kServoPose, shifted({0.0, 0.0, 0.001}, 0.5));
   EXPECT_EQ(turned.reason, ServoRefusal::kTooFar);
   EXPECT_EQ(turned.is_turn, 1);
   EXPECT_NEAR(turned.value, 0.5, 1e-9);
@@ -297,7 +297,7 @@ TEST_P(ServoTargetTest, APoseWithoutJointsIsUnreachable) {
   JointArray outside = q;
   outside[kShoulder] = -0.05;
   EXPECT_EQ(pose(ServoKind::kMovePose, poseOf(outside)).reason, ServoRefusal::kUnreachable);
-  EXPECT_EQ(pose(ServoKind::kMovePose, beside({0.0, 0.0, 2.0})).reason, ServoRefusal::kUnreachable);
+  EXPECT_EQ(pose(ServoKind::kMovePose, shifted({0.0, 0.0, 2.0})).reason, ServoRefusal::kUnreachable);
   EXPECT_FALSE(target.isMoving());
   JointArray edge = q;
   edge[kInsertion] = 0.5595;
@@ -357,7 +357,7 @@ TEST_P(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
     return target.hasGoal();
   };
   const Pose start = target.pose();
-  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.0, 0.002, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kServoPose, shifted({0.0, 0.002, 0.0})).reason, ServoRefusal::kNone);
   EXPECT_TRUE(stoodElsewhere(0.005)) << "not far";
   EXPECT_FALSE(stoodElsewhere(-0.03));
   standAt(q);
@@ -397,7 +397,7 @@ TEST_P(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
 }
 
 TEST_P(ServoTargetTest, MoveCpGoesStraightAndItsTimeIsThatOfTheQuintic) {
-  const Pose from = target.pose(), to = beside({0.03, 0.0, 0.0});
+  const Pose from = target.pose(), to = shifted({0.03, 0.0, 0.0});
   ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone) << "farther than a servo command may";
   EXPECT_EQ(finish(), 1407) << "15/8 x 30 mm / 40 mm/s = 1.40625 s";
   EXPECT_LT((target.pose().p - to.p).norm(), 1e-12);
@@ -466,15 +466,15 @@ TEST_P(ServoTargetTest, MovesWaitForEachOtherAndTheNinthIsRefused) {
 }
 
 TEST_P(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
-  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
-  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.0, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.0, 0.0, 0.0})).reason, ServoRefusal::kNone);
   tick(400);
-  const Pose here = beside({0.0, 0.002, 0.0});
+  const Pose here = shifted({0.0, 0.002, 0.0});
   ASSERT_EQ(pose(ServoKind::kServoPose, here).reason, ServoRefusal::kNone);
   EXPECT_FALSE(target.isMoving());
   tick(100);
   EXPECT_LT((target.pose().p - here.p).norm(), 1e-12);
-  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
   ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.2).reason, ServoRefusal::kNone);
   tick(300);
   ASSERT_EQ(target.take(command(ServoKind::kHold)).reason, ServoRefusal::kNone);
@@ -704,7 +704,7 @@ TEST_P(ServoTargetTest, ATwistEndsWhereTheArmDoes) {
 
 TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeIsNotGoneOnFrom) {
   const Pose from = target.pose();
-  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.015, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kServoPose, shifted({0.015, 0.0, 0.0})).reason, ServoRefusal::kNone);
   for (int i = 0; i < 100; ++i) {
     target.keepTo(from, q, target.opening());  // it stays where it was
     target.step();
@@ -729,11 +729,11 @@ TEST_P(ServoTargetTest, RoundingOfTheMappingDoesNotStopASlowMotion) {
 }
 
 TEST_P(ServoTargetTest, AMoveThatWasHeldUpGoesOnFromRest) {
-  const Pose to = beside({0.03, 0.0, 0.0});
+  const Pose to = shifted({0.03, 0.0, 0.0});
   ASSERT_EQ(pose(ServoKind::kMovePose, to).reason, ServoRefusal::kNone);
   tick(700);
   EXPECT_GT(speed, 0.03);
-  const Pose stuck = beside({-0.001, 0.0, 0.0});
+  const Pose stuck = shifted({-0.001, 0.0, 0.0});
   target.keepTo(stuck, q, target.opening());
   target.step();
   EXPECT_LT((target.pose().p - stuck.p).norm(), 1e-6) << "it does not leap";
@@ -782,7 +782,7 @@ TEST_P(ServoTargetTest, TheJawsOpenAndCloseAtTheSameRateAndAServoCommandEndsThei
 TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeOfTurnOrJawsIsNotGoneOnFrom) {
   const Pose from = target.pose();
   const double opening = target.opening();
-  ASSERT_EQ(pose(ServoKind::kServoPose, beside({0.0, 0.0, 0.0}, 0.3)).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kServoPose, shifted({0.0, 0.0, 0.0}, 0.3)).reason, ServoRefusal::kNone);
   ASSERT_EQ(jaw(ServoKind::kServoJaw, opening - 0.5).reason, ServoRefusal::kNone);
   for (int i = 0; i < 100; ++i) {
     target.keepTo(from, q, opening);  // both stay where they were
@@ -803,7 +803,7 @@ TEST_P(ServoTargetTest, WhatTheMappingDidNotTakeOfTurnOrJawsIsNotGoneOnFrom) {
 }
 
 TEST_P(ServoTargetTest, MovesGoOnFromWhereTheArmWasTakenMeanwhileWithoutALeap) {
-  ASSERT_EQ(pose(ServoKind::kMovePose, beside({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.03, 0.0, 0.0})).reason, ServoRefusal::kNone);
   ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.2).reason, ServoRefusal::kNone);
   const Pose to = target.goal();
   tick(700);
@@ -857,7 +857,7 @@ TEST_P(ServoTargetTest, EachJointIsRefusedBeyondEitherLimit) {
       const double low = geometry.q_min[is_midline ? kGrasp1 : j], high = geometry.q_max[is_midline ? kGrasp2 : j];
       const double limit = is_upper ? high : low;
       ServoJoints to = middle;
-      to[j] = limit + (is_upper ? 1e-6 : -1e-6);
+      to[j] = limit + (is_upper ? 6e-5 : -6e-5);
       const ServoVerdict verdict = joints(ServoKind::kMoveJoints, to);
       EXPECT_EQ(verdict.reason, ServoRefusal::kOutOfRange) << j;
       EXPECT_EQ(verdict.joint, j);
@@ -866,6 +866,205 @@ TEST_P(ServoTargetTest, EachJointIsRefusedBeyondEitherLimit) {
       EXPECT_EQ(verdict.is_turn, j == kInsertion ? 0 : 1);
     }
   }
+}
+
+/** An arm that has one joint at a limit, and the others in the middle. */
+class AtALimit : public ServoTargetTest {
+ protected:
+  struct Limit {
+    std::size_t joint{};
+    double value{}, outwards{};  // [rad; m], sign
+  };
+  std::vector<Limit> all() const {
+    std::vector<Limit> limits;
+    for (std::size_t j = 0; j < kServoJointCount; ++j) {
+      const bool is_midline = j + 1 == kServoJointCount;
+      limits.push_back({j, geometry.q_min[is_midline ? kGrasp1 : j], -1.0});
+      limits.push_back({j, geometry.q_max[is_midline ? kGrasp2 : j], 1.0});
+    }
+    return limits;
+  }
+  void stand(const Limit& limit, double beyond) {
+    ServoJoints at = middle;
+    at[limit.joint] = limit.value + limit.outwards * beyond;
+    JointArray full{};
+    kinematics::setJaws(0.0, 0.4, &full);
+    target.hold();
+    standAt(withServoJoints(full, at));
+  }
+  /** The robot holds the mid-line against its lower limit alone. */
+  static bool isHeld(const Limit& limit) { return limit.joint + 1 < kServoJointCount || limit.outwards < 0.0; }
+  /** A twist that moves this joint outwards, and no other. @param[in] rate [rad/s; m/s]. */
+  ServoVerdict twistOutwards(const Limit& limit, double rate) {
+    ServoJoints out = servoJoints(target.joints());
+    out[limit.joint] += limit.outwards * 1e-4;
+    const Pose to = poseOf(withServoJoints(target.joints(), out));
+    const Eigen::AngleAxisd turn(Matrix3(to.R * target.pose().R.transpose()));
+    return twist(toArray(Vector3((to.p - target.pose().p) * rate * 1e4)),
+                 toArray(Vector3(turn.axis() * turn.angle() * rate * 1e4)));
+  }
+
+  const ServoJoints middle{0.8, 1.6, 0.35, 0.1, 0.3, 0.2};
+};
+
+/** A set point in whole micrometres is up to 12 urad or 0.7 um beyond a limit; ServoTrim keeps 50 off it. */
+TEST_P(AtALimit, ASetPointHardlyBeyondItCanBeSentBackInEveryWay) {
+  for (const Limit& limit : all()) {
+    for (const double beyond : {0.0, 1.2e-5, 4.9e-5}) {
+      const auto where = [&] { return ::testing::Message() << limit.joint << " " << limit.outwards << " " << beyond; };
+      for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kMoveJoints}) {
+        stand(limit, beyond);
+        EXPECT_EQ(joints(kind, servoJoints(target.joints())).reason, ServoRefusal::kNone) << where();
+        EXPECT_LT(turnBetween(target.goal().R, target.pose().R), 6e-5) << where();
+        tick(300);
+        EXPECT_NEAR(servoJoints(target.joints())[limit.joint], limit.value, 1e-9) << where() << ": at the limit";
+      }
+      for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kMovePose}) {
+        stand(limit, beyond);
+        EXPECT_EQ(pose(kind, target.pose()).reason, ServoRefusal::kNone) << where();
+        tick(300);
+        EXPECT_EQ(target.ended(), 0U) << where();
+        if (isHeld(limit)) EXPECT_NEAR(servoJoints(q)[limit.joint], limit.value, 1e-9) << where() << ": at the limit";
+      }
+    }
+  }
+}
+
+TEST_P(AtALimit, AnotherJointCanBeMoved) {
+  for (const Limit& limit : all()) {
+    const std::size_t other = limit.joint == kShoulder ? kElbow : kShoulder;
+    ServoJoints by{};
+    by[other] = 0.02;
+    for (const ServoKind kind : {ServoKind::kServoJointsBy, ServoKind::kMoveJointsBy, ServoKind::kServoRates}) {
+      stand(limit, 1.2e-5);
+      EXPECT_EQ(joints(kind, by).reason, ServoRefusal::kNone) << limit.joint << limit.outwards;
+      tick(250);
+      const double way = kind == ServoKind::kServoRates ? 0.02 * 0.2 : 0.02;
+      EXPECT_NEAR(servoJoints(q)[other] - middle[other], way, 1e-3) << limit.joint << limit.outwards;
+    }
+    if (limit.joint == kShoulder) continue;
+    stand(limit, 1.2e-5);
+    ServoCommand shoulder = command(ServoKind::kServoJoints);
+    shoulder.is_shoulder = 1;
+    shoulder.joints[0] = middle[0] + 0.02;
+    EXPECT_EQ(target.take(shoulder).reason, ServoRefusal::kNone) << limit.joint << limit.outwards;
+  }
+}
+
+TEST_P(AtALimit, FartherBeyondItOrOutwardsThereIsNoMotion) {
+  for (const Limit& limit : all()) {
+    stand(limit, 0.0);
+    ServoJoints to = servoJoints(target.joints());
+    to[limit.joint] += limit.outwards * 6e-5;
+    EXPECT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kOutOfRange) << limit.joint << limit.outwards;
+    if (isHeld(limit)) {
+      const Pose outside = poseOf(withServoJoints(target.joints(), to));
+      EXPECT_EQ(pose(ServoKind::kServoPose, outside).reason, ServoRefusal::kUnreachable)
+          << limit.joint << limit.outwards;
+    }
+    for (const double beyond : {0.0, 1.2e-5}) {  // then 10 urad or 10 um a tick
+      stand(limit, beyond);
+      ServoJoints rates{};
+      rates[limit.joint] = limit.outwards * 0.01;
+      const std::uint32_t ended = target.ended();
+      ASSERT_EQ(joints(ServoKind::kServoRates, rates).reason, ServoRefusal::kNone);
+      tick(5);
+      EXPECT_EQ(target.ended(), ended + 1) << limit.joint << limit.outwards;
+      if (!isHeld(limit)) continue;
+      ASSERT_EQ(twistOutwards(limit, 0.01).reason, ServoRefusal::kNone);
+      tick(5);
+      EXPECT_EQ(target.ended(), ended + 2) << limit.joint << limit.outwards;
+    }
+  }
+}
+
+TEST_P(AtALimit, OfTheJawsRoundingIsNoReasonToRefuse) {
+  for (const ServoKind kind : {ServoKind::kServoJaw, ServoKind::kMoveJaw}) {
+    for (const auto& [limit, outwards] : {std::pair{kMinOpening, -1.0}, {kMaxOpening, 1.0}}) {
+      EXPECT_EQ(jaw(kind, limit + outwards * 1e-15).reason, ServoRefusal::kNone) << limit;
+      for (int i = 0; i < 8000; ++i)
+        target.step();
+      EXPECT_EQ(target.opening(), limit);
+      EXPECT_EQ(jaw(kind, limit + outwards * 6e-5).reason, ServoRefusal::kOutOfRange) << limit;
+    }
+  }
+}
+
+/** Between two poses that are looked at the straight path may leave the joints' limits. */
+class EndsEarly : public AtALimit {
+ protected:
+  /** A pose to which the straight line from the set point has joints at its samples, but not in between. */
+  bool findGoal(Pose* goal) {
+    for (const double turn : {-0.19, 0.19, -0.15, 0.15}) {
+      for (const double metres : {-0.0099, 0.0099, -0.006, 0.006}) {
+        for (int axis = 0; axis < 9; ++axis) {
+          const Vector3 p = metres * Vector3::Unit(axis % 3), w = Vector3::Unit(axis / 3);
+          *goal = {Eigen::AngleAxisd(turn, w) * target.pose().R, target.pose().p + p};
+          if (meetsALimit(*goal)) return true;
+        }
+      }
+    }
+    return false;
+  }
+  bool meetsALimit(const Pose& goal) {
+    ServoTarget trial = target;
+    ServoCommand c = command(ServoKind::kMovePose);
+    c.pose_B = toArray(goal);
+    if (trial.take(c).reason != ServoRefusal::kNone) return false;
+    const std::uint32_t ended = trial.ended();
+    for (int i = 0; i < 5000 && trial.isMoving(); ++i)
+      trial.step();
+    return trial.ended() > ended;
+  }
+};
+
+TEST_P(EndsEarly, AMoveThatMeetsALimitIsCountedAndWasBusy) {
+  int found = 0;
+  for (const Limit& limit : all()) {
+    stand(limit, 0.0);
+    Pose goal;
+    if (found == 4 || !findGoal(&goal)) continue;
+    ++found;
+    const std::uint32_t ended = target.ended();
+    ASSERT_EQ(pose(ServoKind::kMovePose, goal).reason, ServoRefusal::kNone);
+    int busy = 0;
+    for (; target.isBusy() && busy < 5000; ++busy)
+      target.step();
+    EXPECT_GE(busy, 50) << "even a publisher that is late sees it";
+    EXPECT_LT(busy, 5000);
+    EXPECT_FALSE(target.isMoving());
+    EXPECT_EQ(target.ended(), ended + 1);
+  }
+  EXPECT_GE(found, 3);
+}
+
+TEST_P(EndsEarly, ATwistIntoALimitIsCountedButNotItsTimeOut) {
+  for (const Limit& limit : all()) {
+    if (!isHeld(limit)) continue;
+    stand(limit, -1e-3);
+    const std::uint32_t ended = target.ended();
+    ASSERT_EQ(twistOutwards(limit, 0.04).reason, ServoRefusal::kNone);
+    tick(400);
+    EXPECT_EQ(target.ended(), ended + 1) << limit.joint << limit.outwards;
+    EXPECT_FALSE(target.isBusy()) << "a servo command is not busy";
+  }
+  standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.5, 0.9});
+  const std::uint32_t ended = target.ended();
+  ASSERT_EQ(twist({0.01, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  tick(400);
+  ASSERT_EQ(joints(ServoKind::kServoRates, {0.01, 0.0, 0.0, 0.0, 0.0, 0.0}).reason, ServoRefusal::kNone);
+  tick(400);
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.01, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  finish();
+  EXPECT_EQ(target.ended(), ended);
+}
+
+TEST_P(EndsEarly, AHoldEndsTheBusyStateAtOnce) {
+  ASSERT_EQ(pose(ServoKind::kMovePose, shifted({0.01, 0.0, 0.0})).reason, ServoRefusal::kNone);
+  tick(3);
+  EXPECT_TRUE(target.isBusy());
+  target.hold();
+  EXPECT_FALSE(target.isBusy());
 }
 
 TEST_P(ServoTargetTest, AQuaternionOfAnotherLengthIsNoRotationWhetherLongerOrShorter) {
@@ -884,7 +1083,7 @@ TEST_P(ServoTargetTest, AQuaternionOfAnotherLengthIsNoRotationWhetherLongerOrSho
 TEST_P(ServoTargetTest, TheShortestMoveTakesAFifthOfASecond) {
   // 10/sqrt(3) x 1 mm / (0.2 s)^2 = 0.144 m/s2
   for (const double millimetres : {0.01, 1.0}) {
-    ASSERT_EQ(pose(ServoKind::kMovePose, beside({1e-3 * millimetres, 0.0, 0.0})).reason, ServoRefusal::kNone);
+    ASSERT_EQ(pose(ServoKind::kMovePose, shifted({1e-3 * millimetres, 0.0, 0.0})).reason, ServoRefusal::kNone);
     EXPECT_EQ(finish(), 200) << millimetres;
   }
   ASSERT_EQ(jaw(ServoKind::kMoveJaw, target.opening() - 0.001).reason, ServoRefusal::kNone);
@@ -902,6 +1101,12 @@ TEST_P(ServoTargetTest, AMoveOfTheRollTakesTheTimeOfItsAngleEitherWayUpToARevolu
   }
 }
 
+INSTANTIATE_TEST_SUITE_P(Arms, AtALimit, ::testing::ValuesIn(kArms), [](const auto& arm) {
+  return std::string(name(arm.param));
+});
+INSTANTIATE_TEST_SUITE_P(Arms, EndsEarly, ::testing::ValuesIn(kArms), [](const auto& arm) {
+  return std::string(name(arm.param));
+});
 INSTANTIATE_TEST_SUITE_P(Arms, ServoTargetTest, ::testing::ValuesIn(kArms), [](const auto& arm) {
   return std::string(name(arm.param));
 });

@@ -19,8 +19,9 @@ using control::Event;
 
 constexpr double kDegree = kPi / 180.0;
 
-TrainerConfig configuration() {
+TrainerConfig configuration(double trim_time) {
   TrainerConfig c;
+  c.crtk.trim_time = trim_time;
   ArmGeometry& g = c.arms.geometry;
   g.d4 = -0.47;
   g.lw = 0.013;
@@ -47,7 +48,7 @@ double tipsApart(const Vec3& a, const Vec3& b) {
 
 class ServoCommands : public ::testing::Test {
  protected:
-  ServoCommands() {
+  explicit ServoCommands(double trim_time = 0.0) : config(configuration(trim_time)) {
     stand.is_healthy = stand.applies = true;
     tick();
   }
@@ -158,7 +159,7 @@ class ServoCommands : public ::testing::Test {
   ServoState state() const { return shared->servo.load(); }
   Vec3 tip() const { return state().arms[0].setpoint_B.p; }
 
-  const TrainerConfig config = configuration();
+  const TrainerConfig config;
   std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();
   ServoManager manager{config, shared.get()};
   PerArm<control::TeleopMapper> mappers{control::TeleopMapper(config.arms.geometry, Arm::kGold),
@@ -482,6 +483,101 @@ TEST_F(ServoCommands, ThatTheMappingRefusesAreTakenBack) {
     ASSERT_LT(tipsApart(tip(), before), 3.1e-4);
   }
   EXPECT_LT(tipsApart(tip(), goal.p), 1e-6) << "the tip then reaches its goal";
+}
+
+/** With a robot that friction holds off its set point, so that there is a trim. */
+class ServoCommandsAtALimit : public ServoCommands {
+ protected:
+  ServoCommandsAtALimit() : ServoCommands(0.5) {
+    stand.linked = stand.robot_there = stand.robot_homed = stand.robot_ready = true;
+    in_tick = [this] {
+      for (const Arm arm : kArms) {
+        JointArray& q = at(stand.robot_q, arm) = at(mappers, arm).desired();
+        for (std::size_t j = 0; j < control::ServoTrim::kJoints; ++j)
+          q[j] += 0.6 * control::ServoTrim::kLimit[j];
+      }
+    };
+  }
+  ServoRefusal askJoints(ServoKind kind, Arm arm, const ServoJoints& joints) {
+    ServoCommand command;
+    command.kind = kind;
+    command.arm = arm;
+    command.joints = joints;
+    return ask(command);
+  }
+  ServoRefusal askBack(ServoKind kind, Arm arm) {
+    ServoCommand command;
+    command.kind = kind;
+    command.arm = arm;
+    command.pose_B = at(state().arms, arm).setpoint_B;
+    return ask(command);
+  }
+  /** With the pedal up; then the client resumes. */
+  void placeNear(Arm arm, ServoJoints joints, std::size_t joint, double outwards) {
+    ASSERT_EQ(ask(StateCommand::kPause), ServoRefusal::kNone);
+    tick(2);
+    joints[joint] -= outwards * 5e-3;
+    at(mappers, arm).rebase(control::withServoJoints(config.arms.geometry.home, joints));
+    ASSERT_EQ(ask(StateCommand::kResume), ServoRefusal::kNone);
+    tick(2);
+  }
+  /** Sends what is published back, and moves by nothing. */
+  void sendBack(Arm arm, const std::string& where) {
+    for (const ServoKind kind : {ServoKind::kServoJoints, ServoKind::kMoveJoints}) {
+      EXPECT_EQ(askJoints(kind, arm, at(state().arms, arm).setpoint_q), ServoRefusal::kNone) << where;
+      tick(300);
+    }
+    for (const ServoKind kind : {ServoKind::kServoJointsBy, ServoKind::kMoveJointsBy}) {
+      EXPECT_EQ(askJoints(kind, arm, {}), ServoRefusal::kNone) << where;
+      tick(300);
+    }
+    for (const ServoKind kind : {ServoKind::kServoPose, ServoKind::kMovePose}) {
+      EXPECT_EQ(askBack(kind, arm), ServoRefusal::kNone) << where;
+      tick(300);
+    }
+    EXPECT_EQ(at(state().arms, arm).ended, 0U) << where;
+  }
+};
+
+TEST_F(ServoCommandsAtALimit, ThatSendASetPointBackAreTaken) {
+  enable();
+  double beyond = 0.0;
+  for (const Arm arm : kArms) {
+    for (std::size_t j = 0; j < control::ServoTrim::kJoints; ++j) {
+      for (const double outwards : {-1.0, 1.0}) {
+        const double limit = (outwards < 0.0 ? config.arms.geometry.q_min : config.arms.geometry.q_max)[j];
+        ServoJoints to{0.8, 1.6, 0.35, 0.3, 0.2, 0.1};
+        to[j] = limit;
+        placeNear(arm, to, j, outwards);
+        ASSERT_EQ(askJoints(ServoKind::kMoveJoints, arm, to), ServoRefusal::kNone);
+        tick(1000);
+        ASSERT_EQ(at(state().arms, arm).is_busy, 0);
+        beyond = std::max(beyond, outwards * (at(state().arms, arm).setpoint_q[j] - limit));
+        sendBack(arm, std::string(name(arm)) + ", joint " + std::to_string(j) + " at " + std::to_string(limit));
+      }
+    }
+  }
+  EXPECT_GT(beyond, 1e-7) << "pose rounding takes set points beyond a limit";
+  EXPECT_LT(beyond, control::kBeyondLimit);
+}
+
+TEST_F(ServoCommands, OfAMotionThatEndsEarlyAreCounted) {
+  enable();
+  for (const Arm arm : kArms) {
+    EXPECT_EQ(at(state().arms, arm).ended, 0U);
+    ServoCommand rates;
+    rates.kind = ServoKind::kServoRates;
+    rates.arm = arm;
+    rates.joints[kWrist] = 1.9;
+    for (int i = 0; i < 20; ++i) {
+      EXPECT_EQ(ask(rates), ServoRefusal::kNone);
+      tick(50);
+      if (at(state().arms, arm).ended > 0) break;
+    }
+    EXPECT_EQ(at(state().arms, arm).ended, 1U) << name(arm);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0);
+    EXPECT_NEAR(at(state().arms, arm).setpoint_q[kWrist], config.arms.geometry.q_max[kWrist], 3e-3);
+  }
 }
 
 TEST_F(ServoCommands, AreRefusedWhileTheModelGoesBackToTheRobot) {

@@ -73,6 +73,48 @@ TEST_P(CrtkKinematicsTest, JointsThatAreFarAwayStillLeadToASolutionWithinTheLimi
   }
 }
 
+/** Rounding takes the joints of such a pose beyond their limits. */
+TEST_P(CrtkKinematicsTest, TheInverseOfAPoseAtALimitIsWhereItCameFrom) {
+  std::mt19937 random(9);
+  int at_limit = 0;
+  for (std::size_t j = 0; j < 6; ++j) {
+    const bool is_midline = j == 5;
+    for (const double limit : {geometry.q_min[is_midline ? kGrasp1 : j], geometry.q_max[is_midline ? kGrasp2 : j]}) {
+      for (int i = 0; i < 100; ++i) {
+        crtk::ForwardRequest there;
+        there.jp = someJoints(&random);
+        there.jp[j] = limit;
+        const crtk::ForwardResponse at = answer(geometry, GetParam(), worldFrame(X_WB), false, there);
+        ASSERT_EQ(at.result, 1) << at.message;
+        crtk::InverseRequest back;
+        back.cp = at.cp;
+        back.jp = there.jp;
+        const crtk::InverseResponse near = answer(geometry, GetParam(), worldFrame(X_WB), false, back);
+        ASSERT_EQ(near.result, 1) << j << " at " << limit << ": " << near.message;
+        EXPECT_NEAR(near.jp[j], limit, 1e-9);
+        EXPECT_TRUE(is_midline || (near.jp[j] >= geometry.q_min[j] && near.jp[j] <= geometry.q_max[j]));
+        at_limit += near.jp[j] == limit ? 1 : 0;
+        back.jp = {0.7, 1.5, j == kInsertion && limit > 0.5 ? 0.52 : 0.3, 0.0, 0.0, 0.0};
+        const crtk::InverseResponse far = answer(geometry, GetParam(), worldFrame(X_WB), false, back);
+        EXPECT_EQ(far.result, 1) << j << " at " << limit << ": " << far.message;
+      }
+    }
+  }
+  EXPECT_GT(at_limit, 100) << "rounding did so";
+}
+
+TEST_P(CrtkKinematicsTest, APoseHardlyBeyondALimitIsRefused) {
+  for (const double beyond : {-1e-6, 1e-6}) {
+    const double limit = beyond < 0.0 ? geometry.q_min[kElbow] : geometry.q_max[kElbow];
+    crtk::ForwardRequest there;
+    there.jp = {0.7, limit + beyond, 0.35, 0.2, 0.3, 0.1};
+    crtk::InverseRequest back;
+    back.cp = answer(geometry, GetParam(), worldFrame(X_WB), false, there).cp;
+    back.jp = there.jp;
+    EXPECT_EQ(answer(geometry, GetParam(), worldFrame(X_WB), false, back).result, 0) << beyond;
+  }
+}
+
 TEST_P(CrtkKinematicsTest, WhatHasNoAnswerSaysWhy) {
   const CrtkFrame frame = worldFrame(X_WB);
   const auto forward = [&](std::vector<double> jp, bool is_raven = false) {

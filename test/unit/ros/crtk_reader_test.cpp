@@ -261,7 +261,7 @@ TEST(CrtkReader, JawsBeyondTheirLimitsHoldTheArmBackAndTheArmTheJaws) {
   EXPECT_TRUE(far.command && far.jaw) << "only the loop knows where a step begins, and so checks its end";
 }
 
-TEST(CrtkReader, TheRobotsOwnBranchTellsATurnBySecond) {
+TEST(CrtkReader, TheRobotsOwnBranchGivesATurnPerSecond) {
   geometry_msgs::TransformStamped message;
   message.transform.translation.z = 0.01;
   message.transform.rotation.x = std::sin(0.35);  // 0.7 rad about x: of B gold -y, green y
@@ -290,7 +290,7 @@ TEST(CrtkReader, BothBoundsOfEveryJointHold) {
   for (const Arm arm : kArms) {
     for (std::size_t j = 0; j < bounds.size(); ++j) {
       for (const bool is_high : {false, true}) {
-        const double bound = bounds[j][is_high ? 1 : 0], out = is_high ? 1e-3 : -1e-3;
+        const double bound = bounds[j][is_high ? 1 : 0], out = is_high ? 6e-5 : -6e-5;
         const auto positionsAt = [&](double value) {
           std::array<double, 7> wanted{0.1, 1.2, 0.4, 0.0, 0.0, 0.0, 0.5};  // five joints, mid-line, opening
           wanted[j] = value;
@@ -303,6 +303,8 @@ TEST(CrtkReader, BothBoundsOfEveryJointHold) {
                                      wanted[6] / 2 + wanted[5]};
         };
         EXPECT_TRUE(ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound - out)).command) << j << is_high;
+        EXPECT_TRUE(ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound + 0.8 * out)).command)
+            << j << is_high << ": a set point at a limit is hardly beyond it";
         const CrtkAsked beyond = ravenAsks(arm, ServoKind::kServoJoints, positionsAt(bound + out));
         EXPECT_FALSE(beyond.command || beyond.jaw) << j << is_high;
         EXPECT_NE(beyond.refusal.find(is_high ? "at most" : "at least"), std::string::npos) << beyond.refusal;
@@ -347,6 +349,29 @@ TEST(CrtkReader, OfTheRavensGraspersTheFirstNumberIsTheOpening) {
   EXPECT_EQ(one.command->jaw, 0.4);
   EXPECT_EQ(seven.command->jaw, 0.4);
   EXPECT_FALSE(readRavenJaw(Arm::kGold, ServoKind::kServoJaw, jointsAt({0.4, 0.4})).command);
+}
+
+/** crtk_robot.cpp of crtk-cpp names the joint of each grasper command `grasp`. That branch ignores names. */
+TEST(CrtkReader, TheRavensGraspersMayHaveAnyName) {
+  for (const Arm arm : kArms) {
+    for (const ServoKind kind : {ServoKind::kServoJaw, ServoKind::kServoJawBy, ServoKind::kMoveJaw}) {
+      for (const std::size_t count : {1U, 7U, 15U}) {
+        sensor_msgs::JointState message = jointsAt(std::vector<double>(count, 0.9));
+        message.position[0] = 0.4;
+        message.name = {"grasp"};
+        const CrtkAsked asked = readRavenJaw(arm, kind, message);
+        ASSERT_TRUE(asked.command) << count << ": " << asked.refusal;
+        EXPECT_EQ(asked.command->kind, kind);
+        EXPECT_EQ(asked.command->arm, arm);
+        EXPECT_EQ(asked.command->jaw, 0.4);
+      }
+    }
+    sensor_msgs::JointState squeeze;
+    squeeze.name = {"grasp"};
+    squeeze.effort = {0.02};
+    ASSERT_TRUE(readRavenJaw(arm, ServoKind::kServoJawForce, squeeze).command);
+    EXPECT_EQ(readRavenJaw(arm, ServoKind::kServoJawForce, squeeze).command->jaw, 0.02);
+  }
 }
 
 TEST(CrtkReader, RatesAndForcesAreWhatAMessageSaysOfThem) {

@@ -19,7 +19,7 @@ ServoRefused refusalOf(ServoKind kind, ServoRefusal reason) {
   return refused;
 }
 
-TEST(CrtkWords, TooFarTellsValueLimitUnitAndWhatIsLikelyWrong) {
+TEST(CrtkWords, TooFarSaysValueLimitUnitAndWhatIsLikelyWrong) {
   ServoRefused refused = refusalOf(ServoKind::kServoPose, ServoRefusal::kTooFar);
   refused.value = 83.0;
   refused.limit = 0.02;
@@ -38,6 +38,8 @@ TEST(CrtkWords, OutOfRangeNamesTheJointAndTheBoundItIsBeyond) {
   refused.value = 90.0;
   refused.limit = 2.356;
   EXPECT_EQ(sentence(refused), "move_jp: elbow at 90 rad, at most 2.356 rad; CRTK is in radians");
+  refused.value = 2.3561;
+  EXPECT_EQ(sentence(refused), "move_jp: elbow at 2.3561 rad, at most 2.356 rad") << "the two do not look the same";
   refused.joint = 2;
   refused.value = 0.1;
   refused.limit = 0.23;
@@ -62,7 +64,7 @@ TEST(CrtkWords, WhatIsRefusedBecauseOfTheStateSaysTheWayOut) {
   EXPECT_EQ(sentence(refused), "state_command: pause has no effect in DISABLED; enable has");
 }
 
-TEST(CrtkWords, InAFaultNobodyIsToldToEnable) {
+TEST(CrtkWords, InAFaultNobodyIsAskedToEnable) {
   ServoRefused refused = refusalOf(ServoKind::kServoTwist, ServoRefusal::kNotEnabled);
   refused.in = OperatingState::kFault;
   EXPECT_EQ(sentence(refused), "servo_cv: the arms are in FAULT: end the E-STOP at the robot");
@@ -97,18 +99,55 @@ TEST(CrtkWords, OnlyWhatAPersonMustEndIsAnError) {
     EXPECT_EQ(sentence(static_cast<OperatingState>(i)).rfind(kOperatingStateNames[i], 0), 0U);
 }
 
-TEST(CrtkPatience, AStreamIsToldOnceASecondWithHowManyWereLeftOut) {
+TEST(CrtkPatience, AStreamIsSaidOnceASecondWithHowManyWereLeftOut) {
   constexpr std::int64_t kMillisecond = 1000000;
   CrtkPatience patience;
-  int told = 0;
+  int said = 0;
   for (int ms = 0; ms < 1000; ms += 5)
-    told += patience.pass("a", "no", ms * kMillisecond) ? 1 : 0;
-  EXPECT_EQ(told, 1);
+    said += patience.pass("a", "no", ms * kMillisecond) ? 1 : 0;
+  EXPECT_EQ(said, 1);
   EXPECT_EQ(patience.pass("b", "never", 3 * kMillisecond), "never") << "a message of another kind is not held back";
   EXPECT_EQ(patience.pass("a", "no", 1000 * kMillisecond), "no (and 199 more like it)");
   EXPECT_EQ(patience.pass("a", "no", 1001 * kMillisecond), std::nullopt);
   EXPECT_EQ(patience.pass("a", "no", 60000 * kMillisecond), "no (and 1 more like it)");
   EXPECT_EQ(patience.pass("a", "no", 62000 * kMillisecond), "no");
+}
+
+/** After a first refusal a person corrects the command, and within the second it is refused for something else. */
+TEST(CrtkPatience, AnotherReasonIsSaidAtOnceButNotOtherNumbers) {
+  CrtkPatience patience;
+  const std::string far = "servo_cp: 83 m from the set point, at most 0.02 m; CRTK is in metres";
+  const std::string near = "servo_cp: 1.2e-05 m from the set point, at most 0.02 m; CRTK is in metres";
+  EXPECT_TRUE(patience.pass("arm1/servo_cp", far, 0));
+  EXPECT_FALSE(patience.pass("arm1/servo_cp", near, 1000)) << "the same, with another number";
+  EXPECT_TRUE(patience.pass("arm1/servo_cp", "servo_cp: in frame \"arm\"; it is world or no frame_id", 2000));
+  EXPECT_EQ(patience.pass("arm1/servo_cp", near, 2'000'000'000), near + " (and 1 more like it)");
+}
+
+TEST(CrtkPatience, AClientWithWordsOfItsOwnIsBounded) {
+  CrtkPatience patience;
+  std::size_t said = 0;
+  for (int i = 0; i < 5000; ++i)
+    said += patience.pass("state_command", std::string(static_cast<std::size_t>(i), 'x') + " is unknown", i * 200'000)
+                ? 1
+                : 0;
+  EXPECT_EQ(said, CrtkPatience::kSentences) << "in a second";
+  EXPECT_TRUE(patience.pass("hold", "too many commands at once", 999'000'000)) << "another topic has its own";
+  EXPECT_TRUE(patience.pass("state_command", "\"go\" is unknown", 2'100'000'000));
+}
+
+TEST(CrtkWords, StateCommandsAndStatesAreTheirOwnSubjects) {
+  ServoRefused enable = refusalOf(ServoKind::kState, ServoRefusal::kOperatorStop), resume = enable, later = enable;
+  enable.state = StateCommand::kEnable;
+  resume.state = StateCommand::kResume;
+  later.in = OperatingState::kPaused;
+  const std::set<std::string> abouts{aboutOf(enable), aboutOf(resume), aboutOf(later)};
+  EXPECT_EQ(abouts.size(), 3U);
+  ServoRefused motion = refusalOf(ServoKind::kServoJoints, ServoRefusal::kTooFar), other = motion;
+  other.state = StateCommand::kResume;
+  EXPECT_EQ(aboutOf(motion), aboutOf(other));
+  other.reason = ServoRefusal::kUnreachable;
+  EXPECT_NE(aboutOf(motion), aboutOf(other));
 }
 
 class CrtkInboxTest : public ::testing::Test {
@@ -200,7 +239,7 @@ TEST(CrtkWords, WhatIsLikelyWrongIsSaidOfBothSigns) {
   }
 }
 
-TEST(CrtkWords, TooFastTellsSpeedsInTheirUnits) {
+TEST(CrtkWords, TooFastSaysSpeedsInTheirUnits) {
   ServoRefused refused = refusalOf(ServoKind::kServoTwist, ServoRefusal::kTooFast);
   refused.value = 0.25;
   refused.limit = 0.1;
