@@ -29,8 +29,8 @@ int main(int argc, char** argv) {
       "Adds the faults that libraven2_usb_faults.so injected into a real robot to a session's report and scores.",
       "merge_truth"};
   app.footer(
-      "Writes DIR/usb_truth.json and writes metrics.json, faults.json and, with an exercise, score.json again. The log\n"
-      "does not change. Times come from the clock of the robot's computer, or from the commands that the robot received.\n"
+      "Writes DIR/usb_truth.json, and metrics.json, faults.json and, with an exercise, score.json again. The log does\n"
+      "not change. Times come from the clock of the robot's computer, or from the commands that the robot received.\n"
       "FILE may be omitted if the simulator ran with RAVEN2_USB_FAULTS_TRUTH set.\n"
       "doc/usb_faults.md. Exit status: 0 merged and scored, 1 otherwise.");
   std::string directory, file;

@@ -17,7 +17,6 @@ constexpr int kMostMoves = 1;
 
 constexpr double kNoTurn = 1e-9;     // [rad] rounding
 constexpr double kSamePoint = 1e-9;  // [m]
-
 constexpr Tick kRestTicks = 200;  // a set point that does not change: the robot's arm has stopped, too
 
 /** The largest increment that an ITP receiver accepts limits the speed of all clients. */
