@@ -374,6 +374,12 @@ def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
     assert '<arg name="strict" default="true"' in (ROOT / "launch/hardware.launch").read_text()
 
 
+@pytest.mark.parametrize("driver, is_one", [("expert", True), ("clumsy:hasty", True), ("scripted-over-wan", True), ("expert-over-net_delay_2", True),
+                                            ("browser", False), ("own_console", False), ("own_console-over-wan", False), ("master:omni", False)])
+def test_a_simulated_surgeon_is_known_by_its_name_also_over_a_link(driver, is_one):
+    assert words.is_demonstration(driver) == is_one
+
+
 def has_ended(process):
     """Until asyncio's thread has asked for its status, a program that has ended is a zombie."""
     return not process.is_running() or process.status() == psutil.STATUS_ZOMBIE
