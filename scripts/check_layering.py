@@ -140,18 +140,19 @@ def resolved(path, header):
 
 def seen_whole(files):
     """Lists files that see all of the configuration, also through other headers, and put no whole together."""
-    sees = {(ROOT / "include" / WHOLE).resolve()}
-    ours = {path: {resolved(path, header) for _, header, quoted in includes(path) if header and quoted}
+    sees = {(ROOT / "include" / WHOLE).resolve(): 1}  # file: line of the include
+    ours = {path: {resolved(path, header): number for number, header, quoted in includes(path) if header and quoted}
             for path in (path.resolve() for _, path in files)}
     while True:
-        more = {path for path, headers in ours.items() if headers & sees} - sees
+        more = {path: number for path, headers in ours.items() if path not in sees
+                for header, number in headers.items() if header in sees}
         if not more:
             break
-        sees |= more
-    for path in sorted(sees):
+        sees.update(more)
+    for path, number in sorted(sees.items()):
         name = str(path.relative_to(ROOT.resolve()))
         if not ROOTS.match(name):
-            yield f"{name}:1: {WHOLE}: no composition root"
+            yield f"{name}:{number}: {WHOLE}: no composition root"
 
 
 def source_of(path):

@@ -82,9 +82,7 @@ class Raven(gymnasium.Env):
         self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
         self._make = {"exercise": exercise, "robot": robot or ("none" if self._hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
-        if max_steps is None and exercise is None:
-            max_steps = 1000
-        if max_steps is None:  # as long as the exercise's judge allows
+        if max_steps is None:
             max_steps = round(1000 * _exercise_file(exercise, config)["time_limit"]) // TICKS + JUDGED
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
         if variations < 1:
@@ -223,7 +221,6 @@ class Reach(Raven):
         return np.concatenate([tip, self._goal - tip, self._goal - self._simulation.state.desired_tips_in_world[self._arm]]).astype(np.float32)
 
 
-for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1,
-                                                            "max_steps": 1000}),
+for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1, "max_steps": 1000}),
                       ("RingTransfer", {"exercise": "ring_tower_transfer"}), ("PegTransfer", {"exercise": "peg_transfer"})):
     gymnasium.register(f"raven2_trainer/{name}-v0", entry_point=Reach if name == "Reach" else Raven, kwargs=options)

@@ -11,9 +11,6 @@ from . import _core
 from .plain import as_plain
 
 
-MOST = 256  # simulations for which a process has room
-
-
 def _root(config):
     """The packaged configuration lies in the same prefix as this package, in the devel and in the install space."""
     if config:
@@ -94,8 +91,8 @@ class VectorSimulation:
     LISTS = ("mode", "runlevel", "exercise")
 
     def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, output=None, **options):
-        if not 1 <= n <= MOST:
-            raise ValueError(f"n is {n}, expected 1 to {MOST}")
+        if not 1 <= n <= _core.MOST_SIMULATIONS:  # of a process
+            raise ValueError(f"n is {n}, expected 1 to {_core.MOST_SIMULATIONS}")
         self._threads = threads or len(os.sched_getaffinity(0))
 
         def make(i):

@@ -58,7 +58,7 @@ bool RobotTie::becomesReady() noexcept {
 void RobotTie::link(bool is_common) noexcept {
   is_linked_ = is_common;
   linked_cycle_ = heard_cycle_;
-  is_unheard_ = isDeaf();
+  is_unheard_ = is_common && isDeaf();
 }
 
 bool RobotTie::applies() const noexcept {

@@ -222,6 +222,7 @@ PYBIND11_MODULE(_core, module) {
   py::register_exception<RenderException>(module, "RenderError", PyExc_RuntimeError);
   const py::object read_error = py::module_::import("raven2_trainer.session").attr("SessionError");
   py::register_exception<SessionException>(module, "SessionError", read_error);
+  module.attr("MOST_SIMULATIONS") = Arena::kMost;
   addSimulation(&module);
   addState(&module);
   addStepAll(&module);

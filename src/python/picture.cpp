@@ -75,7 +75,7 @@ auto withScene(Simulation& simulation, const std::string& camera, int width, int
   demandFirstProcess();
   Stage& stage = stageFor(simulation, width, height);
   const std::lock_guard<std::recursive_mutex> lock(simulation.mutex());
-  const render::Snapshot snapshot = simulation.seen();
+  const render::Snapshot snapshot = simulation.passPicture();
   const render::Scene& scene = stage.builder.build(snapshot);
   return draw(&stage.renderer, scene, render::cameraSeeing(snapshot, config, simulation.raven().X_WB, width, height));
 }

@@ -264,10 +264,6 @@ render::Snapshot Simulation::passPicture() {
   return pictures_->pass(now);
 }
 
-render::Snapshot Simulation::seen() {
-  return passPicture();
-}
-
 void Simulation::demand(const StepCommand& command, int ticks) const {
   demandOpen();
   demandHands(command);

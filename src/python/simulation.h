@@ -98,8 +98,9 @@ class Simulation : public Constructed {
   bool isClosed() const noexcept { return is_closed_; }
 
   const lockstep::LockstepView& view() const noexcept { return stack_->view(); }
-  /** The states that the surgeon's picture shows, after faults of the video. While the caller has mutex(). */
-  render::Snapshot seen();
+  /** Gives the newest states to the surgeon's picture. The caller has mutex().
+   *  @return the states that it shows, after faults of the video. */
+  render::Snapshot passPicture();
   const TrainerConfig& config() const noexcept { return config_; }
   const model::SceneModel& scene() const noexcept { return *scene_; }
   const model::RavenModel& raven() const noexcept { return *raven_; }
@@ -121,7 +122,6 @@ class Simulation : public Constructed {
   void build(const SimulationOptions& options);
   void destroyStack();
   void tick();
-  render::Snapshot passPicture();
   console::HandsCommand handsFor(const StepCommand& command, int ticks, int left);
   double graspFor(Arm arm, bool pedal) const;
   void approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const;

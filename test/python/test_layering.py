@@ -38,8 +38,8 @@ HEADER = "include/raven2_trainer/"
      "a private header of kinematics"),
     ({"src/loop/a.cpp": "#include <ros/ros.h>\n"}, "src/loop/a.cpp:1", "ros/ros.h"),
     ({"src/loop/a.cpp": "#include SOMETHING\n"}, "src/loop/a.cpp:1", "cannot read"),
-    ({"src/ros/crtk/a.cpp": '#include "raven2_trainer/daemon/a.h"\n', HEADER + "config/trainer_config.h": "",
-      HEADER + "daemon/a.h": '#include "raven2_trainer/config/trainer_config.h"\n'}, "src/ros/crtk/a.cpp:1", "no composition root"),
+    ({"src/ros/crtk/a.cpp": '\n#include "raven2_trainer/daemon/a.h"\n', HEADER + "config/trainer_config.h": "",
+      HEADER + "daemon/a.h": '#include "raven2_trainer/config/trainer_config.h"\n'}, "src/ros/crtk/a.cpp:2", "no composition root"),
 ])
 def test_what_breaks_the_layers_is_named_with_its_place(tmp_path, monkeypatch, files, place, why):
     found = found_in(tmp_path, files, monkeypatch)

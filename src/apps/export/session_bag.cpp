@@ -134,6 +134,19 @@ training::SessionMetrics metricsOf(const session::SessionPaths& paths) {
   return metrics;
 }
 
+/** Removes what is left of a file that did not get its name. */
+struct UnfinishedFile {
+  explicit UnfinishedFile(std::string of_path) : path(std::move(of_path)) {}
+  ~UnfinishedFile() {
+    std::error_code error;
+    std::filesystem::remove(path, error);
+  }
+  UnfinishedFile(const UnfinishedFile&) = delete;
+  UnfinishedFile& operator=(const UnfinishedFile&) = delete;
+
+  const std::string path;
+};
+
 class BagWriter {
  public:
   BagWriter(const TrainerConfig& config, const session::SessionPaths& paths, const std::string& bag)
@@ -248,16 +261,14 @@ BagCounts writeSessionBag(const TrainerConfig& config,
                           const session::SessionPaths& paths,
                           const std::string& bag,
                           const std::function<void(double)>& progress) {
-  const std::string part = bag + ".part";
+  const UnfinishedFile part(bag + ".part");
   try {
-    const BagCounts counts = BagWriter(config, paths, part).write(progress);
-    std::filesystem::rename(part, bag);
+    const BagCounts counts = BagWriter(config, paths, part.path).write(progress);
+    std::filesystem::rename(part.path, bag);
     return counts;
   } catch (const std::filesystem::filesystem_error& e) {
     throw SessionException(bag + ": " + e.code().message());
   } catch (const rosbag::BagException& e) {
-    std::error_code error;
-    std::filesystem::remove(part, error);
     throw SessionException(bag + ": " + e.what());
   }
 }

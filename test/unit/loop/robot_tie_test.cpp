@@ -165,6 +165,25 @@ TEST_F(RobotTieTest, ARobotThatHearsNoPacketForASecondIsNotEngagedByALaterPacket
   EXPECT_TRUE(tie.applies());
 }
 
+TEST_F(RobotTieTest, APressAtADeafRobotIsUnheardUnlessTheModelMovesAlone) {
+  engage();
+  send(5, 1001);
+  tick(5);
+  EXPECT_FALSE(tie.isUnheard()) << "it heard the press that still lasts";
+  tie.unlink();
+  for (const RunLevel runlevel : {RunLevel::kPedalDown, RunLevel::kPedalUp}) {
+    sent.runlevel = runlevel;
+    send(6);
+    tick(6);
+    tie.link(true);
+    EXPECT_TRUE(tie.isUnheard());
+    EXPECT_FALSE(tie.applies());
+    tie.link(false);
+    EXPECT_FALSE(tie.isUnheard());
+    EXPECT_TRUE(tie.applies());
+  }
+}
+
 TEST_F(RobotTieTest, ARobotThatNeverReportsASequenceIsNotCalledDeaf) {
   tick(0);
   tie.link(true);
