@@ -167,14 +167,17 @@ TEST_F(RobotTieTest, ARobotThatHearsNoPacketForASecondIsNotEngagedByALaterPacket
 
 TEST_F(RobotTieTest, APressAtADeafRobotIsUnheardUnlessTheModelMovesAlone) {
   engage();
-  send(5, 1001);
+  sent.last_sequence = 4;  // of a packet of this press
+  send(5);
   tick(5);
+  send(6, 1001);
+  tick(6);
   EXPECT_FALSE(tie.isUnheard()) << "it heard the press that still lasts";
   tie.unlink();
   for (const RunLevel runlevel : {RunLevel::kPedalDown, RunLevel::kPedalUp}) {
     sent.runlevel = runlevel;
-    send(6);
-    tick(6);
+    send(7);
+    tick(7);
     tie.link(true);
     EXPECT_TRUE(tie.isUnheard());
     EXPECT_FALSE(tie.applies());
