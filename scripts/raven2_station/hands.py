@@ -13,6 +13,7 @@ HALF = 2.0        # [m] from the middle: beyond it the device goes back while th
 BACK_SPEED = 1.0  # [m/s]
 LONGEST = 0.1     # [s] that one message may count for, and by which motion may come later; what is more is lost
 FOLLOWING = {"teleoperating", "simulating", "trial"}  # modes in which the hands move something with a held pedal
+REFUSED = 0.7     # [s] a held pedal that moves nothing so long was refused. The page says so (REFUSED_MS of page/trainee.js)
 LINGER = 0.15     # [s] for which the camera pedal stays down behind its key: the other pedal must be up before it
 DITHER = 1e-7     # [m] to and fro: the console takes a device whose pose never changes for one that is not calibrated
 
@@ -93,6 +94,7 @@ class Hands:
         self._camera_until = None  # the camera pedal stays down until then
         self._camera_moves = False
         self._heard, self._dither = None, DITHER
+        self._pressed = None       # time of the press
         self._must_press = False   # a key that is still held does not count
         self._followed = False     # since the press, the hands have moved something
         self._lost = False         # and no longer do
@@ -117,6 +119,7 @@ class Hands:
         pedal = pedal and not self._must_press
         if not pedal or not self.pedal:
             self._followed = self._lost = False
+            self._pressed = now
         dt = min(LONGEST, now - self._heard) if self._heard is not None else 1.0 / 60.0
         dt = max(dt, 1e-3)
         for arm, (motion, rotation, jaw) in moves.items():
@@ -158,13 +161,14 @@ class Hands:
     def watch(self, now):
         """Call often. @return whether the pedal came up because the page was silent.
 
-        A key that is still held when the page goes on counts as pressed again. If the trainer had already ended the motion, for
-        another reason, that takes a new press.
+        A key that is still held when the page goes on counts as pressed again. If the trainer had refused the press, or had already
+        ended the motion for another reason, that takes a new press.
         """
         if self._heard is None or now - self._heard <= SILENT:
             return False
         was_down = self.pedal or self.camera
-        must_press = self._must_press or self._lost
+        is_refused = self.pedal and not self._followed and not self._camera_moves and self._heard - self._pressed > REFUSED
+        must_press = self._must_press or self._lost or is_refused
         self.release()
         self._must_press = must_press
         return was_down

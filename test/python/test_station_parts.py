@@ -192,6 +192,20 @@ def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_t
     assert device.pedal, "a new press counts"
 
 
+@pytest.mark.parametrize("seconds, mode, counts", [
+    (0.5, "pedal_up", True), (1.0, "pedal_up", False), (1.0, "teleoperating", True), (1.0, "camera_moving", True)])
+def test_a_refused_key_does_not_count_after_a_stall(seconds, mode, counts):
+    """The page asked for another press. A page that stalls is none."""
+    device = hands.Hands()
+    device.see("pedal_up")
+    for i in range(round(seconds / 0.02)):
+        device.apply(motion(), 1.0 + 0.02 * i)
+        device.see(mode)
+    device.watch(1.1 + seconds)
+    device.apply(motion(), 1.2 + seconds)
+    assert device.pedal == counts
+
+
 @pytest.mark.parametrize("message", [
     None, [], "x", {}, {"pedal": 1}, {"pedal": True, "camera": "no"}, {"pedal": True, "arms": []}, {"pedal": True, "arms": {"blue": {}}},
     {"pedal": True, "arms": {"gold": {"move": [0, 0]}}}, {"pedal": True, "arms": {"gold": {"move": [0, 0, float("nan")]}}},

@@ -79,8 +79,8 @@ class RosMaster:
         """Runs a ROS command-line tool with this master."""
         return subprocess.run(command, env=self._environment, capture_output=True, text=True, timeout=seconds)
 
-    def popen(self, *command, stdout=subprocess.DEVNULL):
-        return subprocess.Popen(command, env=self._environment, stdout=stdout, stderr=subprocess.DEVNULL, text=True)
+    def popen(self, *command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL):
+        return subprocess.Popen(command, env=self._environment, stdin=stdin, stdout=stdout, stderr=subprocess.DEVNULL, text=True)
 
     def __enter__(self):
         return self

@@ -76,12 +76,12 @@ def listens(port):
         return probe.connect_ex(("127.0.0.1", port)) == 0
 
 
-def wait_until(condition, seconds, what):
-    """Polls a condition. Fails after `seconds`, and names `what` was awaited."""
+def wait_until(condition, seconds, what, period=0.01):
+    """Polls a condition each `period` seconds. Fails after `seconds`, and names `what` was awaited."""
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, f"not within {seconds} s: {what}"
-        time.sleep(0.01)
+        time.sleep(period)
 
 
 def itp(sequence, pedal, gold=(0, 0, 0), green=(0, 0, 0)):

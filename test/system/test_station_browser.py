@@ -8,7 +8,6 @@ import subprocess
 import sys
 import tarfile
 import tempfile
-import threading
 import time
 
 import numpy as np
@@ -92,7 +91,7 @@ class Browser:
 
     def until(self, condition, seconds, what):
         try:
-            wait_until(condition, seconds, what)
+            wait_until(condition, seconds, what, 0.05)  # each question takes time of the page, whose hands must not fall silent
         except AssertionError:
             raise AssertionError(f"{what}: {self.driver.find_element(By.TAG_NAME, 'body').text}") from None
 
@@ -193,38 +192,31 @@ def test_a_key_that_the_browser_needs_is_refused(browser):
     browser.until(lambda: browser.text("key-arm") == "K", 3, "the new key")
 
 
-# Prints the newest pose 20 times a second. `rostopic echo` prints every one, and comes later and later on a busy machine.
+# Prints a pose when asked. `rostopic echo` prints every one, and comes later and later on a busy machine.
 TIP = """
 import sys
-import time
-
 import rospy
 from geometry_msgs.msg import PoseStamped
-newest = []
 rospy.init_node("tip", anonymous=True, disable_signals=True)
-rospy.Subscriber(sys.argv[1] + "/measured_cp", PoseStamped, lambda m: newest.__setitem__(slice(None), [m.pose]), queue_size=1)
-while True:
-    time.sleep(0.05)
-    if newest:
-        p, q = newest[0].position, newest[0].orientation
-        print(p.x, p.y, p.z, q.x, q.y, q.z, q.w, flush=True)
+for _ in sys.stdin:
+    pose = rospy.wait_for_message(sys.argv[1] + "/measured_cp", PoseStamped).pose
+    p, q = pose.position, pose.orientation
+    print(p.x, p.y, p.z, q.x, q.y, q.z, q.w, flush=True)
 """
 
 
 class Tip:
-    """The published pose of an arm's tip in the world: position [m] and rotation matrix. Use as a context manager."""
+    """The published pose of an arm's tip in the world: position [m] and rotation matrix. Use as a context manager. It listens only
+    when asked: the machine has other work."""
 
     def __init__(self, master, arm="arm1"):
-        self._process = master.popen(sys.executable, "-c", TIP, f"/{arm}", stdout=subprocess.PIPE)
-        self.line = self._process.stdout.readline()
-        threading.Thread(target=self._read, daemon=True).start()
-
-    def _read(self):
-        for line in self._process.stdout:
-            self.line = line
+        self._process = master.popen(sys.executable, "-c", TIP, f"/{arm}", stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+        self.pose()
 
     def pose(self):
-        values = [float(value) for value in self.line.split()]
+        self._process.stdin.write("\n")
+        self._process.stdin.flush()
+        values = [float(value) for value in self._process.stdout.readline().split()]
         return np.array(values[:3]), rotation_of(values[3:])
 
     def __enter__(self):
@@ -294,8 +286,6 @@ class TestHandsOfAPage:
     def test_a_mouse_moves_the_tool_and_lost_focus_lifts_the_pedal(self, station, browser, tips):
         tip = tips[0]
         driver = browser.driver
-        browser.open()
-        driver.switch_to.new_window("window")
         browser.open("/trainee")
         browser.until(lambda: browser["drive"].is_enabled(), 5, "a page may drive")
         browser.click("drive")
@@ -326,9 +316,14 @@ class TestHandsOfAPage:
         browser.until(lambda: is_refused(browser), 3, "the page asks for another press")
         assert browser.text("mode").startswith("Ready") and "press it again" in browser.text("pedal")
         press_pedal(browser)
-        driver.switch_to.new_window("tab")  # hides the page
-        driver.switch_to.window(driver.window_handles[0])
-        browser.until(lambda: browser.text("mode").startswith("Ready"), 2, "a hidden page holds no pedal")
+
+        async def until_the_pedal_is_up():
+            async with Page(station.url) as page:
+                await page.until(lambda: page.mode() == "teleoperating", 2, "the pedal is down")
+                driver.switch_to.new_window("tab")  # hides the page
+                await page.until(lambda: page.mode() == "pedal_up", 2, "a hidden page holds no pedal")
+
+        asyncio.run(until_the_pedal_is_up())
 
     def test_a_mouse_that_the_browser_does_not_lock_needs_another_click(self, browser):
         browser.open("/trainee")
