@@ -19,7 +19,6 @@ constexpr int kTipSamples = 16;  // of a move in joints, for the highest rate of
 }  // namespace
 
 void ServoTarget::step() noexcept {
-  busy_left_ = std::max<Tick>(busy_left_ - 1, 0);
   stepJaw();
   switch (motion_) {
     case Motion::kHold:
@@ -197,11 +196,6 @@ double ServoTarget::duration(const Move& move) const noexcept {
 
 bool ServoTarget::isMoving() const noexcept {
   return motion_ == Motion::kMove || moves_jaw_;
-}
-
-/** A move that ends in its first ticks was busy, too: its client waits for that, and then for the end. */
-bool ServoTarget::isBusy() const noexcept {
-  return isMoving() || busy_left_ > 0;
 }
 
 bool ServoTarget::hasGoal() const noexcept {

@@ -29,8 +29,6 @@ constexpr double kMostJointSteps = 32;  // 0.33 m of insertion and 364 degrees o
 
 constexpr double kSameJoint = 1e-3;  // [rad; m] at the end of a path in joints: another solution is farther away
 
-constexpr Tick kSeenBusy = 50;  // in which a publisher that is late by 40 ms still sees that a move began; ours
-
 template <std::size_t N>
 bool areFinite(const std::array<double, N>& values) noexcept {
   return std::all_of(values.begin(), values.end(), [](double v) { return std::isfinite(v); });
@@ -200,14 +198,11 @@ void ServoTarget::hold() noexcept {
 void ServoTarget::servo(Motion motion) noexcept {
   motion_ = motion;
   move_count_ = 0;
-  busy_left_ = 0;
 }
 
 /** The path of a motion that was accepted is looked at in steps of kReachStep: it may end between two of them. */
 void ServoTarget::endEarly() noexcept {
-  const Tick left = busy_left_;
   servo(Motion::kHold);
-  busy_left_ = left;
   ++ended_;
 }
 
@@ -299,9 +294,8 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
   moves_[waiting] = move;
   move_count_ = waiting + 1;
   motion_ = Motion::kMove;
-  if (waiting > 0) return {};
-  busy_left_ = kSeenBusy;
-  beginMove();
+  ++moved_;
+  if (waiting == 0) beginMove();
   return {};
 }
 
@@ -314,6 +308,7 @@ ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   if (opening > kMaxOpening) return {ServoRefusal::kOutOfRange, kJaws, 1, opening, kMaxOpening};
   servos_jaw_ = !is_move;
   moves_jaw_ = is_move;
+  moved_ += is_move ? 1 : 0;
   goal_jaw_ = opening;
   const double seconds = kPeakRate * std::abs(opening - opening_) / (ratio_ * limits_.move_turn_rate);
   jaw_ = {opening_, opening, std::max(seconds, kShortestMove), 0};

@@ -426,13 +426,13 @@ void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointAr
   state.state = shownState();
   state.is_homed = isHomed(stand_) && !is_unhomed_ ? 1 : 0;
   state.holds_pedal = holds_pedal_ ? 1 : 0;
-  const bool is_alone = stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_;
-  state.alone = holds_pedal_ && is_alone ? 1 : 0;
+  state.alone = holds_pedal_ && stand_.mode == Mode::kTeleoperating && !stand_.linked && had_robot_ ? 1 : 0;
   for (const Arm arm : kArms) {
     ServoArmState& out = at(state.arms, arm);
     const control::ServoTarget& target = at(targets_, arm);
     const JointArray q = at(rests_, arm).trim.without(at(q_d, arm));
-    out.is_busy = isHoming() || target.isBusy() ? 1 : 0;
+    out.is_busy = isHoming() || target.isMoving() ? 1 : 0;
+    out.moves = target.moves();
     out.setpoint_B = toArray(kinematics::forward(geometry_, arm, q));
     out.setpoint_q = control::servoJoints(q);
     out.setpoint_jaw = kinematics::jawOpening(q);

@@ -183,6 +183,13 @@ class Device:
     def await_state(self, state, seconds=5):
         until(lambda: self.state.state == state, seconds, f"{self.name} {state}, it is {self.state.state}")
 
+    def finish(self, send, seconds):
+        """Sends a move, and waits until the arm was busy and is not any more. Misses no message, however late it looks."""
+        count = self.count("operating_state")
+        send()
+        until(lambda: any(m.is_busy for m in self["operating_state"].messages[count:]), 2, "is_busy")
+        until(lambda: not self.state.is_busy, seconds, "not busy any more")
+
     def count(self, topic):
         return len(self[topic].messages)
 
@@ -636,9 +643,7 @@ class Crtk(unittest.TestCase):
         publishers["trajectory_j/set_ratio"].publish(Float64(data=1.0))
         until(lambda: newest["trajectory_j/ratio"].data == 1.0, 5, "the old ratio published")
         start = arm.position()
-        publishers["move_jr"].publish(JointState(position=[0.05, 0.0, 0.0, 0.0, 0.0, 0.0]))
-        until(lambda: newest["operating_state"].is_busy, 2, "busy")
-        until(lambda: not newest["operating_state"].is_busy, 5, "the move done")
+        arm.finish(lambda: publishers["move_jr"].publish(JointState(position=[0.05, 0.0, 0.0, 0.0, 0.0, 0.0])), 5)
         self.assertAlmostEqual(arm.position()[0] - start[0], 0.05, delta=1e-3)
         for topic, message, words in (("servo_jf", JointState(effort=[0.0] * 6), "positions"),
                                       ("body/servo_cf", WrenchStamped(), "positions"),
@@ -755,30 +760,30 @@ class Crtk(unittest.TestCase):
         publishers = {t: rospy.Publisher(f"{arm.name}/{t}", kind, queue_size=10) for t, kind in kinds.items()}
         until(lambda: all(p.get_num_connections() > 0 for p in publishers.values()), 5, "the daemon")
 
-        def model():
-            return rospy.wait_for_message(f"model/{arm.name}/measured_cp", PoseStamped, 5).pose
+        poses = Topic(f"model/{arm.name}/measured_cp", PoseStamped)
+        until(lambda: poses.newest is not None, 5, "a pose of the model")
 
         def push(topic, force):
-            """The tip's way within 0.3 s, always from the same pose: a force at the tip turns the wrist, too."""
-            publishers["move_jp"].publish(JointState(position=begin))
-            until(lambda: arm.state.is_busy, 2, "busy")
-            until(lambda: not arm.state.is_busy, 5, "at the start pose")
+            """The tip's first 5 mm, always from the same pose: a force at the tip turns the wrist, too."""
+            arm.finish(lambda: publishers["move_jp"].publish(JointState(position=begin)), 5)
             wrench = WrenchStamped()
             wrench.wrench.force.x, wrench.wrench.force.y, wrench.wrench.force.z = force
-            start = model()
-            rate = rospy.Rate(RATE)
-            for _ in range(int(0.3 * RATE)):
+            start = poses.newest
+            count = len(poses.messages)
+
+            def far():
                 publishers[topic].publish(wrench)
-                rate.sleep()
-            end = model()
+                return next((m for m in poses.messages[count:] if distance(start, m) > 5e-3), None)
+
+            end = until(far, 2, "5 mm of way")
             arm.say("hold", Empty())
-            way = tuple(b - a for a, b in zip(vector(start.position), vector(end.position)))
+            way = tuple(b - a for a, b in zip(vector(start.pose.position), vector(end.pose.position)))
             print(f"{topic}, {tuple(round(f, 1) for f in force)} N: {tuple(round(1e3 * w, 2) for w in way)} mm")
             return way
 
         up, down = (0.0, 0.0, 15.0), (0.0, 0.0, -15.0)
         begin = arm.position("setpoint_js")
-        own_down = rotate(model().orientation, down)
+        own_down = rotate(poses.newest.pose.orientation, down)
         world = push("servo_cf", up)
         publishers["body/set_cf_orientation_absolute"].publish(Bool(data=True))
         absolute = push("body/servo_cf", up)
@@ -789,6 +794,7 @@ class Crtk(unittest.TestCase):
         self.assertLess(angle(world, absolute), math.radians(15))
         self.assertLess(angle(body, same), math.radians(15))
         self.assertGreater(angle(world, body), math.radians(30))
+        poses.close()
         for publisher in publishers.values():
             publisher.unregister()
 
@@ -797,9 +803,7 @@ class Crtk(unittest.TestCase):
         topics = {t: Topic(f"model/{arm.name}/{t}", WrenchStamped) for t in ("measured_cf", "body/measured_cf", "spatial/measured_cf")}
         poses = Topic(f"model/{arm.name}/measured_cp", PoseStamped)
         other = Topic(f"model/{self.arms[1].name}/measured_cf", WrenchStamped)
-        arm.joints("move_jp", HOME)
-        until(lambda: arm.state.is_busy, 2, "busy")
-        until(lambda: not arm.state.is_busy, 10, "above the dome")
+        arm.finish(lambda: arm.joints("move_jp", HOME), 10)  # above the dome
         down = TwistStamped()
         down.twist.linear.z = -0.03
 

@@ -153,6 +153,7 @@ struct ServoArmState {
   RigidPose goal_B{};        ///< goal of the newest move or servo command; without one the set point
   double ratio{1.0};         ///< factor on move_speed and move_turn_rate of new moves
   std::uint32_t run_out{};   ///< twists, rates and forces that timed out, since the start
+  std::uint32_t moves{};     ///< move_* of arm or jaws that began, since the start
   std::uint32_t ended{};     ///< motions that met a limit, or a pose without joint positions, on their path
 };
 

@@ -63,7 +63,7 @@ class ServoTarget {
   const JointArray& joints() const noexcept { return q_; }    ///< [rad; m] of it
   double opening() const noexcept { return opening_; }        ///< [rad]
   bool isMoving() const noexcept;                             ///< a move_* is not over
-  bool isBusy() const noexcept;                               ///< the same, long enough to be published
+  std::uint32_t moves() const noexcept { return moved_; }     ///< move_* that were accepted, of arm or jaws
   double ratio() const noexcept { return ratio_; }            ///< of move_speed and move_turn_rate
   std::uint32_t runOut() const noexcept { return run_out_; }  ///< twists and rates that their time-out ended
   std::uint32_t ended() const noexcept { return ended_; }     ///< motions whose path led no farther
@@ -133,8 +133,7 @@ class ServoTarget {
   Vector3 v_{Vector3::Zero()}, w_{v_};  ///< [m/s], [rad/s] kTwist
   ServoJoints rates_{};                 ///< [rad/s; m/s] kRates
   Tick twist_left_{0};                  ///< of either; below 0 it slows down
-  std::uint32_t run_out_{0}, ended_{0};
-  Tick busy_left_{0};                 ///< until isBusy() may end with its move
+  std::uint32_t moved_{0}, run_out_{0}, ended_{0};
   double ratio_{1.0}, pace_{1.0};     ///< of moves that begin; of the one under way
   std::array<Move, kMoves> moves_{};  ///< kMove: the first is under way
   std::size_t move_count_{0};

@@ -67,7 +67,8 @@ void CrtkArm::publish(const CrtkCycle& cycle) {
 
 void CrtkArm::publishState(const CrtkCycle& cycle) {
   const ServoState& servo = cycle.servo;
-  if (state_.publish(servo, at(servo.arms, arm_).is_busy != 0, cycle.stamp))
+  const ServoArmState& arm = at(servo.arms, arm_);
+  if (state_.publish(servo, arm.is_busy != 0, arm.moves, cycle.stamp))
     voice_.say(level(servo.state), sentence(servo.state));
 }
 

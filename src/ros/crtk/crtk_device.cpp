@@ -95,7 +95,8 @@ void CrtkDevice::publish() {
   for (const auto& arm : arms_)
     arm->publish(cycle_);
   const auto& servo = cycle_.servo.arms;
-  if (state_ != nullptr) state_->publish(cycle_.servo, servo[0].is_busy + servo[1].is_busy > 0, cycle_.stamp);
+  if (state_ == nullptr) return;
+  state_->publish(cycle_.servo, servo[0].is_busy + servo[1].is_busy > 0, servo[0].moves + servo[1].moves, cycle_.stamp);
 }
 
 /** @return false if the loop has done nothing new. */

@@ -25,12 +25,12 @@ bool differs(const crtk::OperatingState& a, const crtk::OperatingState& b) {
 CrtkStateTopic::CrtkStateTopic(ros::NodeHandle* node, const std::string& topic, const CrtkConfig& config)
     : period_(config.state_period), publisher_(advertiseState(node, topic, config.dialect)) {}
 
-bool CrtkStateTopic::publish(const ServoState& servo, bool is_busy, const ros::Time& stamp) {
+bool CrtkStateTopic::publish(const ServoState& servo, bool is_busy, std::uint32_t moves, const ros::Time& stamp) {
   crtk::OperatingState now;
   now.header.stamp = stamp;
   now.state = nameOf(kOperatingStateNames, servo.state);
   now.is_homed = servo.is_homed;
-  now.is_busy = is_busy ? 1 : 0;
+  now.is_busy = busy_.of(is_busy, moves, servo.tick) ? 1 : 0;
   const bool is_new = !has_published_ || differs(now, published_);
   const double age = static_cast<double>(servo.tick - last_tick_published_) * kTickSeconds;
   if (!is_new && age >= 0.0 && age < period_) return false;
