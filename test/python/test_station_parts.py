@@ -195,7 +195,7 @@ def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_t
 @pytest.mark.parametrize("seconds, mode, counts", [
     (0.5, "pedal_up", True), (1.0, "pedal_up", False), (1.0, "teleoperating", True), (1.0, "camera_moving", True)])
 def test_a_refused_key_does_not_count_after_a_stall(seconds, mode, counts):
-    """The page asked for another press. A page that stalls is none."""
+    """The page asked for another press. A stall is not one."""
     device = hands.Hands()
     device.see("pedal_up")
     for i in range(round(seconds / 0.02)):

@@ -30,7 +30,7 @@ TEST(CrtkBusy, ShowsAMoveThatFollowedAnother) {
   EXPECT_FALSE(busy.of(false, 2, 2050));
 }
 
-TEST(CrtkBusy, ForgetsWhenTheLoopBeginsAnew) {
+TEST(CrtkBusy, ForgetsWhenTheLoopStartsAgain) {
   CrtkBusy busy;
   EXPECT_FALSE(busy.of(false, 0, 100'000));
   EXPECT_TRUE(busy.of(false, 1, 100'010));
