@@ -119,14 +119,16 @@ ServoTarget::ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, 
 }
 
 void ServoTarget::startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept {
+  startFrom(X_BT, q);
+  opening_ = std::clamp(opening, kMinOpening, kMaxOpening);
+  if (moves_jaw_) beginJaw(jaw_.to);
+}
+
+void ServoTarget::startFrom(const Pose& X_BT, const JointArray& q) noexcept {
   X_ = X_BT;
   q_ = q;
-  opening_ = std::clamp(opening, kMinOpening, kMaxOpening);
   if (motion_ == Motion::kMove) beginMove();
   if (isServoTooFar()) servo(Motion::kHold);
-  if (!moves_jaw_) return;
-  jaw_.from = opening_;
-  jaw_.elapsed = 0;
 }
 
 /** Where the arm was taken elsewhere meanwhile, a servo command leads farther than it may. */
@@ -191,8 +193,8 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
 }
 
 void ServoTarget::hold() noexcept {
-  servo(Motion::kHold);
-  servos_jaw_ = moves_jaw_ = false;
+  holdArm();
+  holdJaw();
 }
 
 void ServoTarget::servo(Motion motion) noexcept {
@@ -310,9 +312,13 @@ ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   moves_jaw_ = is_move;
   moved_ += is_move ? 1 : 0;
   goal_jaw_ = opening;
-  const double seconds = kPeakRate * std::abs(opening - opening_) / (ratio_ * limits_.move_turn_rate);
-  jaw_ = {opening_, opening, std::max(seconds, kShortestMove), 0};
+  beginJaw(opening);
   return {};
+}
+
+void ServoTarget::beginJaw(double to) noexcept {
+  const double seconds = kPeakRate * std::abs(to - opening_) / (ratio_ * limits_.move_turn_rate);
+  jaw_ = {opening_, to, std::max(seconds, kShortestMove), 0};
 }
 
 /** Puts joints that are hardly beyond their limits onto them. A client that commands one joint, or sends a published

@@ -365,9 +365,9 @@ void ServoManager::aim(Arm arm, const control::TeleopMapper& mapper, MasterComma
   const bool is_pushed = at(pushes_, arm).wanted.kind != EffortKind::kNone;
   if (!moves || is_pushed) {
     at(rests_, arm).leave();
-    target.startFrom(taken, mapper.desired(), sent.opening);
     sent.is_at_limit = false;
-    if (!moves) return;
+    if (!moves) return target.startFrom(taken, mapper.desired(), sent.opening);
+    target.startFrom(taken, mapper.desired());
   }
   const JointArray q = at(rests_, arm).trim.without(mapper.desired());
   target.keepTo(at(rests_, arm).trimmed.before(taken), q, sent.opening);

@@ -44,8 +44,9 @@ ServoVerdict ServoManager::takeForce(const ServoCommand& command) noexcept {
   }
   const ServoVerdict verdict = checkForce(command, effort);
   if (verdict.reason != ServoRefusal::kNone) return verdict;
-  (command.kind == ServoKind::kServoJawForce ? push.jaw_left : push.left) = push_ticks_;
-  if (command.kind != ServoKind::kServoJawForce) at(targets_, command.arm).hold();
+  const bool is_jaw = command.kind == ServoKind::kServoJawForce;
+  (is_jaw ? push.jaw_left : push.left) = push_ticks_;
+  is_jaw ? at(targets_, command.arm).holdJaw() : at(targets_, command.arm).holdArm();
   push.wanted = effort;
   push.has_changed = true;
   return verdict;

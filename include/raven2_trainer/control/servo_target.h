@@ -49,6 +49,8 @@ class ServoTarget {
   /** The set point; what is asked for stays, but a servo command that leads farther from here than one may. Moves begin
    *  here. @param[in] opening [rad]. */
   void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
+  /** The same of the arm alone; its jaws go on. */
+  void startFrom(const Pose& X_BT, const JointArray& q) noexcept;
   /** The mapping's result for the last set point, which stays in force unless this is far from it. */
   void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
 
@@ -56,6 +58,8 @@ class ServoTarget {
   ServoVerdict take(const ServoCommand& command) noexcept;
   /** Stays where the set point is; what was to come is forgotten. */
   void hold() noexcept;
+  void holdArm() noexcept { servo(Motion::kHold); }              ///< the same of the arm alone
+  void holdJaw() noexcept { servos_jaw_ = moves_jaw_ = false; }  ///< the same of the jaws alone
   /** To the set point of the next tick. */
   void step() noexcept;
 
@@ -115,6 +119,7 @@ class ServoTarget {
   double stepAlong(const Way& way, double most_speed, double most_rate) noexcept;
   double shareAt(double ticks) const noexcept;
   void beginMove() noexcept;
+  void beginJaw(double to) noexcept;
   double duration(const Move& move) const noexcept;
   Pose poseOf(const JointArray& q) const noexcept { return kinematics::forward(geometry_, arm_, q); }
 

@@ -371,6 +371,21 @@ TEST_P(ServoTargetTest, AServoCommandThatCameToLeadTooFarIsDropped) {
   EXPECT_TRUE(stoodElsewhere(-0.03)) << "a move goes anywhere";
 }
 
+TEST_P(ServoTargetTest, AMoveOfTheJawsThatStartsAgainFromFartherAwayIsNoFaster) {
+  ServoCommand move = command(ServoKind::kMoveJaw);
+  move.jaw = target.opening() - 0.1;
+  ASSERT_EQ(target.take(move).reason, ServoRefusal::kNone);
+  target.startFrom(target.pose(), q, move.jaw + 1.0);
+  double fastest = 0.0;
+  for (int i = 0; i < 10000 && target.isMoving(); ++i) {
+    const double before = target.opening();
+    target.step();
+    fastest = std::max(fastest, std::abs(target.opening() - before) / 1e-3);
+  }
+  EXPECT_NEAR(target.opening(), move.jaw, 1e-9);
+  EXPECT_LT(fastest, 1.001 * limits().move_turn_rate) << "[rad/s]";
+}
+
 TEST_P(ServoTargetTest, MoveJpGoesFromRestToRestWithinTheRatesOfMoves) {
   const ServoJoints from = servoJoints(q), to{1.1, 1.9, 0.31, -1.2, -0.4, 0.0};
   ASSERT_EQ(joints(ServoKind::kMoveJoints, to).reason, ServoRefusal::kNone);
@@ -674,6 +689,57 @@ TEST_P(ServoTargetTest, ARatioSlowsMovesDown) {
     EXPECT_EQ(target.take(c).reason, ServoRefusal::kNoRatio) << wrong;
   }
   EXPECT_EQ(target.ratio(), 0.5);
+}
+
+TEST_P(ServoTargetTest, TheJointsOfAStraightMoveKeepToTheRatioWithWhichItBegan) {
+  ServoCommand ratio = command(ServoKind::kRatio);
+  standAt(bent);
+  ratio.number = 0.5;
+  ASSERT_EQ(target.take(ratio).reason, ServoRefusal::kNone);
+  ASSERT_EQ(pose(ServoKind::kMovePose, bentOtherwise(0.6)).reason, ServoRefusal::kNone);
+  ratio.number = 1.0;  // of the next move
+  ASSERT_EQ(target.take(ratio).reason, ServoRefusal::kNone);
+  finish();
+  EXPECT_LT(top_joint_rate, 0.25 * 1.002);
+  EXPECT_GT(top_joint_rate, 0.245) << "or no joint was slowed down";
+}
+
+TEST_P(ServoTargetTest, ARatioSlowsTheJawsDownToo) {
+  ServoCommand ratio = command(ServoKind::kRatio);
+  ratio.number = 0.5;
+  ASSERT_EQ(target.take(ratio).reason, ServoRefusal::kNone);
+  for (const double by : {-0.4, 0.4}) {
+    ASSERT_EQ(jaw(ServoKind::kMoveJawBy, by).reason, ServoRefusal::kNone);
+    EXPECT_NEAR(finish(), 3000, 1) << "15/8 x 0.4 rad / 0.25 rad/s";
+  }
+}
+
+TEST_P(ServoTargetTest, AMoveOfTheJawsByCountsFromWhereAServoCommandLeads) {
+  for (const double by : {-0.1, 0.1}) {
+    ASSERT_EQ(jaw(ServoKind::kServoJaw, 0.5).reason, ServoRefusal::kNone);
+    tick(5);
+    ASSERT_GT(std::abs(target.opening() - 0.5), 0.05) << "the servo command is still under way";
+    ASSERT_EQ(jaw(ServoKind::kMoveJawBy, by).reason, ServoRefusal::kNone);
+    finish();
+    EXPECT_NEAR(target.opening(), 0.5 + by, 1e-12);
+  }
+}
+
+TEST_P(ServoTargetTest, OneNumberLeavesTheOtherJointsTheGoalsThatTheyHad) {
+  for (const double sign : {-1.0, 1.0}) {
+    standAt({0.6, 1.4, 0.35, 0.3, 0.2, 0.5, 0.9});
+    const ServoJoints to = sum(servoJoints(q), {0.0, 0.05 * sign, 0.005 * sign, 0.1, 0.0, 0.0});
+    ASSERT_EQ(joints(ServoKind::kServoJoints, to).reason, ServoRefusal::kNone);
+    tick(5);
+    ServoCommand shoulder = command(ServoKind::kServoJoints);
+    shoulder.is_shoulder = 1;
+    shoulder.joints[0] = to[0] + 0.05 * sign;
+    ASSERT_EQ(target.take(shoulder).reason, ServoRefusal::kNone);
+    tick(500);
+    EXPECT_NEAR(servoJoints(q)[0], shoulder.joints[0], 1e-6) << sign;
+    for (std::size_t j = 1; j < kServoJointCount; ++j)
+      EXPECT_NEAR(servoJoints(q)[j], to[j], 1e-6) << j << " " << sign;
+  }
 }
 
 TEST_P(ServoTargetTest, ATwistThatIsTooFastIsRefused) {

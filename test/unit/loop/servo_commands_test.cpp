@@ -796,6 +796,29 @@ TEST_F(ServoCommands, ToFreeAreRefusedAsTheStateTheyAmountTo) {
   EXPECT_EQ(refused.kind, ServoKind::kFree);
 }
 
+/** Forces of zero are within any limit, and act like others. */
+TEST_F(ServoCommands, OfForcesOnArmAndJawsEndEachAfterItsOwnTime) {
+  enable();
+  for (const Arm arm : kArms) {
+    for (const bool is_arm_first : {true, false}) {
+      ServoCommand once, again;
+      once.arm = again.arm = arm;
+      once.kind = is_arm_first ? ServoKind::kServoForces : ServoKind::kServoJawForce;
+      again.kind = is_arm_first ? ServoKind::kServoJawForce : ServoKind::kServoForces;
+      const std::uint32_t before = at(state().arms, arm).run_out, other = at(state().arms, otherArm(arm)).run_out;
+      EXPECT_EQ(ask(once), ServoRefusal::kNone);
+      for (int i = 0; i < 5; ++i) {
+        EXPECT_EQ(ask(again), ServoRefusal::kNone);
+        tick(30);
+      }
+      EXPECT_EQ(at(state().arms, arm).run_out, before + 1) << name(arm) << ": 0.1 s after the first";
+      tick(100);
+      EXPECT_EQ(at(state().arms, arm).run_out, before + 2) << name(arm);
+      EXPECT_EQ(at(state().arms, otherArm(arm)).run_out, other) << name(arm);
+    }
+  }
+}
+
 TEST_F(ServoCommands, AreServedInOrderHoweverManyCome) {
   enable();
   ServoCommand command;
@@ -807,6 +830,47 @@ TEST_F(ServoCommands, AreServedInOrderHoweverManyCome) {
   tick(300);
   EXPECT_NEAR(tip()[0] - from, 100 * 5e-5, 1e-6) << "every increment counts";
   EXPECT_EQ(state().refused, 0U);
+}
+
+class ServoCommandsBesideAForce : public ServoCommands, public ::testing::WithParamInterface<bool> {};
+
+/** The force is sent once, or again and again, as clients do. */
+TEST_P(ServoCommandsBesideAForce, OfTheJawsGoOn) {
+  enable();
+  for (const Arm arm : kArms) {
+    ServoCommand force, jaws;
+    force.arm = jaws.arm = arm;
+    force.kind = ServoKind::kServoForces;
+    jaws.kind = ServoKind::kMoveJaw;
+    jaws.jaw = at(state().arms, arm).setpoint_jaw - 0.03;  // [rad] in 0.2 s, the shortest move
+    EXPECT_EQ(ask(force), ServoRefusal::kNone);
+    EXPECT_EQ(ask(jaws), ServoRefusal::kNone);
+    for (int i = 0; i < 10; ++i) {
+      if (GetParam()) EXPECT_EQ(ask(force), ServoRefusal::kNone);
+      tick(22);
+    }
+    EXPECT_NEAR(at(state().arms, arm).setpoint_jaw, jaws.jaw, 0.6e-3) << name(arm);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << name(arm);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Renewed, ServoCommandsBesideAForce, ::testing::Bool());
+
+TEST_F(ServoCommands, OfTheJawsEndWithAForceOnThem) {
+  enable();
+  for (const Arm arm : kArms) {
+    ServoCommand force, jaws;
+    force.arm = jaws.arm = arm;
+    force.kind = ServoKind::kServoJawForce;
+    jaws.kind = ServoKind::kMoveJaw;
+    jaws.jaw = at(state().arms, arm).setpoint_jaw - 0.5;
+    EXPECT_EQ(ask(jaws), ServoRefusal::kNone);
+    tick(20);
+    EXPECT_EQ(at(state().arms, arm).is_busy, 1) << name(arm);
+    EXPECT_EQ(ask(force), ServoRefusal::kNone);
+    tick();
+    EXPECT_EQ(at(state().arms, arm).is_busy, 0) << name(arm);
+  }
 }
 
 }  // namespace
