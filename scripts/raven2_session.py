@@ -214,8 +214,11 @@ class SessionLog:
         self.header, position = _read_header(path, data)
         kinds = {entry["type"]: entry for entry in self.header["records"]}
         types = {number: dtype_of(entry["fields"]) for number, entry in kinds.items()}
-        end = min(len(data), flight.log_size) if flight else len(data)
         known = {n: (kinds[n]["version"], types[n].itemsize) for n in kinds}
+        counts = next(number for number, entry in kinds.items() if entry["name"] == "counts")
+        if flight and _is_finished(data, position, (counts, *known[counts])):
+            flight = None  # its writer was killed before it could remove the file: the log has all
+        end = min(len(data), flight.log_size) if flight else len(data)
         rows = _gathered(data, self._scan(data, position, end, known), {n: size for n, (_, size) in known.items()})
         self._arrays = {kinds[n]["name"]: np.frombuffer(rows[n], types[n]) for n in kinds}
         if flight and not len(self._arrays["counts"]):
@@ -441,6 +444,12 @@ def _look(data, position, end, limit=MAX_PAYLOAD):
         return "bad", 0, 0, 0  # the CRC of what is so long takes time
     intact = zlib.crc32(data[position:body]) == CRC.unpack_from(data, body)[0]
     return ("intact" if intact else "bad"), kind, version, size
+
+
+def _is_finished(data, position, counts):
+    """Whether a log ends with its counts (type, version, length), which are never in a chunk."""
+    last = len(data) - FRAME.size - counts[2] - CRC.size
+    return last >= position and _look(data, last, len(data)) == ("intact", *counts)
 
 
 def _read_header(path, data):

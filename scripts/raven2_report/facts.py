@@ -184,7 +184,7 @@ class Facts:
                 if last is not None and event["kind"] == "failed" and event["at_s"] > last:
                     steps.append({"name": "not finished", "from_s": last, "to_s": event["at_s"]})
                 last = None
-        if last is not None and self.duration > last + 0.05 and steps:
+        if last is not None and self.duration > last + 0.05:
             steps.append({"name": "not finished", "from_s": last, "to_s": self.duration})
         return steps
 

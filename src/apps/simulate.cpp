@@ -80,6 +80,16 @@ double secondsOf(const Options& options, const TrainerConfig& config) {
   return console::doesExercise(options.motion.motion) ? config.exercise.time_limit + kBeyondLimit : kUsualSeconds;
 }
 
+/** A session that is killed has a start time, too. */
+session::SessionMeta beginMeta(const session::SessionPaths& paths,
+                               const std::string& motion,
+                               const TrainerConfig& config) {
+  session::SessionMeta meta = recording::startMeta("simulate", apps::version(), motion);
+  meta.realtime = "unknown: not ended cleanly";
+  session::writeMeta(paths, meta, config);
+  return meta;
+}
+
 int simulate(const Options& options) {
   TrainerConfig config = common(options).load();
   if (!options.homing.empty()) config.virtual_raven.full_homing = options.homing == "full";
@@ -95,8 +105,8 @@ int simulate(const Options& options) {
   const auto start = std::chrono::steady_clock::now();
   const std::string over = options.impairment == "none" ? "" : " over " + impairment.name;
   const std::string label = console::motionLabel(options.motion.motion) + over;
-  session::SessionMeta meta = recording::startMeta("simulate", apps::version(), options.motion.motion + over);
   lockstep::Lockstep lockstep(config, std::move(surgeon), paths, label);
+  session::SessionMeta meta = beginMeta(paths, options.motion.motion + over, config);
   if (options.impairment != "none") lockstep.impair(impairment);
   if (!options.replay.empty()) lockstep.showFirst(options.replay);
   apps::ProgressBar bar("simulate");

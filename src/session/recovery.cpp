@@ -53,6 +53,10 @@ bool isRecovered(const std::string& log) {
   return endsWith(tailOf(log), RecordType::kRecovery);
 }
 
+bool hasEnd(const std::string& log) {
+  return isRecovered(log) || endsWith(tailOf(log), RecordType::kCounts);
+}
+
 /** Whether no living process writes the log. The lock is given back: the writer of the recovery takes its own. */
 bool isAbandoned(const std::string& log) {
   const int fd = ::open(log.c_str(), O_RDONLY | O_CLOEXEC);
@@ -188,7 +192,8 @@ bool isBeingWritten(const SessionPaths& paths) {
 
 bool lacksMetrics(const SessionPaths& paths) {
   std::error_code error;
-  return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) && isRecovered(paths.log());
+  return fs::is_regular_file(paths.log(), error) && !fs::exists(paths.metrics(), error) && hasEnd(paths.log()) &&
+         isAbandoned(paths.log());  // else its writer is about to write them
 }
 
 bool leavesFlightFile(const SessionPaths& paths) {

@@ -33,7 +33,7 @@ void ExerciseTally::add(const ModelState& model) {
   attempt->state = exercise;
   attempt->began = sessionTick(model, exercise.began);
   attempt->ended = sessionTick(model, exercise.ended);
-  if (exercise.status == ExerciseStatus::kRunning && model.mode != Mode::kPaused) ++attempt->ticks;
+  if (exercise.status == ExerciseStatus::kRunning && traitsOf(model.mode).timed) ++attempt->ticks;
 }
 
 }  // namespace raven2_trainer::training

@@ -82,7 +82,8 @@ HandSample HazardCollector::sampleOf(const TickRecord& record) const {
   HandSample sample;
   const ModelState& model = record.model;
   sample.pedal = model.pedal == kSurgeonsPedal ? 1 : 0;
-  sample.stop = stop_tick_ == model.tick || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
+  const bool is_asked = std::find(stops_.begin(), stops_.end(), model.tick) != stops_.end();
+  sample.stop = is_asked || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
   sample.has_robot = record.robot.frame > 0 && record.robot.connected != 0 ? 1 : 0;
   sample.linked = model.linked;
   sample.master_I = model.master_I;
@@ -154,6 +155,8 @@ PerArm<double> HazardCollector::cueForces(Tick tick, const HapticState& haptic) 
 
 void HazardCollector::add(const TickRecord& record) {
   const Tick now = record.model.session_tick;
+  while (!stops_.empty() && stops_.front() < record.model.tick)
+    stops_.pop_front();
   if (now < 0) return;
   watchClutch(record.model);
   watchConsole(record.model);
@@ -167,7 +170,7 @@ void HazardCollector::add(const TickRecord& record) {
 }
 
 void HazardCollector::add(const RequestRecord& record) {
-  if (record.request.kind == RequestKind::kEmergencyStop) stop_tick_ = record.tick;
+  if (record.request.kind == RequestKind::kEmergencyStop) stops_.push_back(record.tick);
 }
 
 void HazardCollector::addLater(Tick tick, const HapticRecord& record) {

@@ -62,7 +62,7 @@ class HazardCollector {
   std::vector<Tick> clutches_;  // [1 ms] that each took
   Tick released_{-1};           // session tick of the pedal-up under way
   bool was_down_{};
-  Tick stop_tick_{-1};
+  std::deque<Tick> stops_;  // [model ticks] emergency stops; in a part of the log they come before its ticks
   std::deque<std::pair<Tick, DaemonFaults>> console_faults_;  // newest model ticks in which a console fault acts
   PerArm<Tick> undisturbed_{};  // model tick from which on no guidance or edge force can be left
   std::uint64_t beyond_{0};

@@ -202,6 +202,7 @@ void conclude(AttemptScore* score) {
   const auto judged = std::count_if(score->metrics.begin(), score->metrics.end(), is_judged);
   const auto passed = std::count_if(score->metrics.begin(), score->metrics.end(), has_passed);
   if (judged > 0) score->composite = static_cast<double>(passed) / static_cast<double>(judged);
+  if (score->outcome.status == ExerciseStatus::kNone) return;  // there was nothing to do
   const bool has_passed_all =
       judged > 0 && passed == judged && score->outcome.status == ExerciseStatus::kDone && areAnswered(*score);
   if (!has_passed_all || hadItsDrill(*score)) score->passed = has_passed_all;

@@ -128,9 +128,12 @@ MetricsAccumulator::Span* MetricsAccumulator::spanOf(const FaultChange& change) 
   return newest != spans_.rend() && newest->injection.is_assumed ? &*newest : nullptr;
 }
 
-/** With its reader a robot loses the reader's faults, as soon as it notices. */
+/** With its reader a robot loses the reader's faults, as soon as it notices. Those at its USB boundary (merged) stay.
+ */
 void MetricsAccumulator::loseRobot(const TickRecord& record) {
-  const auto is_robots = [&](std::size_t i) { return spans_[i].begin.host == FaultHost::kRobot; };
+  const auto is_robots = [&](std::size_t i) {
+    return spans_[i].begin.host == FaultHost::kRobot && !spans_[i].injection.is_merged;
+  };
   for (const std::size_t i : open_) {
     if (!is_robots(i)) continue;
     Injection& injection = spans_[i].injection;

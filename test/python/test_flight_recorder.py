@@ -13,6 +13,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 sys.dont_write_bytecode = True
 import raven2_session  # noqa: E402
+import test_raven2_session as made  # noqa: E402
 
 CAPACITY, SIZE, STRIDE = 4, 16, 32  # of the only queue; the checksum follows the record
 TAIL, DROPPED, SLOTS, CHECKPOINTS = 4096, 4104, 4160, (64, 256)
@@ -51,8 +52,8 @@ class Memory:
     def put(self, place, number):
         struct.pack_into("<Q", self.data, place, number)
 
-    def checkpoint(self, place, sequence, head, told=0):
-        words = sequence, 100 * sequence, 7, head, told
+    def checkpoint(self, place, sequence, head, told=0, log_size=None):
+        words = sequence, log_size or 100 * sequence, 7, head, told
         struct.pack_into("<6Q", self.data, CHECKPOINTS[place], *words, checksum(words))
 
     def read(self):
@@ -129,6 +130,22 @@ def test_one_of_another_log_or_of_a_living_writer_is_left_alone(log):
     assert Memory(log).read() is not None
     (log.parent / "flight_recorder").unlink()
     assert raven2_session.FlightRecorder.open_for(str(log)) is None
+
+
+def test_a_finished_log_has_all_whether_or_not_its_writer_could_remove_the_file(log):
+    """The counts are the log's last record. They come behind the newest checkpoint."""
+    begun = made.header_record() + made.request(1)
+    memory = Memory(log, 0, 1)
+    memory.checkpoint(0, 1, 0, log_size=len(begun))
+    memory.read()
+    log.write_bytes(begun + made.request(2) + made.record(6, struct.pack("<Q", 60)))
+    finished = raven2_session.SessionLog(str(log))
+    assert finished.clean and finished.counts["frames"].tolist() == [60]
+    assert finished.requests["tick"].tolist() == [1, 2] and finished.from_flight_recorder == 0
+    log.write_bytes(begun + made.request(2))
+    killed = raven2_session.SessionLog(str(log))
+    assert not killed.clean
+    assert killed.requests["tick"].tolist() == [1, 0] and killed.from_flight_recorder == 1
 
 
 def test_a_part_of_one_is_none(log):

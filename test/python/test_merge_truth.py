@@ -86,6 +86,15 @@ def test_a_fault_at_the_boundary_is_reported_like_the_virtual_ravens(session, ti
     assert (session / "session.rlog").read_bytes() == log, "the log is a record and must not change"
 
 
+def test_the_figure_of_a_video_that_is_there_stays(session, ticks, tmp_path):
+    metrics = read(session, "metrics.json")
+    write(session / "metrics.json", {**metrics, "frames": 71})
+    done = merge(session, write(tmp_path / "truth.json", truth_of(moment(ticks, begin_of(ticks)), None)))
+    assert done.returncode == 0, done.stderr
+    merged = read(session, "metrics.json")
+    assert merged["frames"] == 71 and merged["faults"] and not metrics["faults"]
+
+
 @pytest.mark.parametrize("foreign", [{"monotonic_offset_ns": 0}, {"monotonic_offset_ns": OFFSET + 10**15}])
 def test_where_the_clock_says_nothing_commands_do(session, ticks, tmp_path, foreign):
     at = begin_of(ticks)

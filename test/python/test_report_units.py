@@ -434,6 +434,12 @@ def test_a_hazard_explains_what_comes_until_half_a_second_behind_its_aftermath()
     assert parted_facts([{**hazard, "fault": {"end_tick": 6600}}]) == []
 
 
+@pytest.mark.parametrize("at, left", [(2.05, [7.0]), (2.15, [2.0, 7.0]), (6.95, [2.0]), (8.0, [2.0, 7.0])])
+def test_a_hazard_explains_nothing_that_began_more_than_a_tenth_of_a_second_before_it(at, left):
+    hazard = {"name": "x", "at_s": at, "end_s": at + 0.01, "fault": {}, "judged": {}}
+    assert [d["at_s"] for d in parted_facts([hazard])] == left
+
+
 @pytest.mark.parametrize("count, said", [(0, "No fault acted on the robot."),
                                          (1, "No fault is known. One deviation of unknown cause is listed above."),
                                          (2, "No fault is known. Two deviations of unknown cause are listed above.")])
@@ -522,6 +528,13 @@ def test_a_step_begins_where_the_one_before_it_ended_in_each_attempt():
         ("to 9.5", 9.0, 9.5), ("not finished", 9.5, 12.0)]
     found = Facts._steps(SimpleNamespace(events=events[:9], duration=12.0))
     assert [step["name"] for step in found][-1] == "to 7.25", "no step continues after an attempt ended"
+
+
+def test_the_first_step_is_not_finished_either_when_the_session_ends_in_it():
+    events = [{"kind": "started", "at_s": 0.0}, {"kind": "began", "at_s": 1.0}]
+    found = Facts._steps(SimpleNamespace(events=events, duration=12.0))
+    assert found == [{"name": "not finished", "from_s": 1.0, "to_s": 12.0}]
+    assert Facts._steps(SimpleNamespace(events=events[:1], duration=12.0)) == [], "it never began"
 
 
 def test_each_hazard_has_the_fault_of_its_own_activation():

@@ -4,6 +4,7 @@ import os
 import pathlib
 import random
 import re
+import resource
 import subprocess
 import sys
 
@@ -124,6 +125,18 @@ def test_a_trainees_session_is_entered_once(directory, tmp_path):
     assert entry["attempts"][0]["metrics"]["time"] > 1
     assert score(directory, "--trainee", "Kim", "--index", index, "--output", tmp_path / "kim.json").returncode == 1
     assert not (tmp_path / "kim.json").exists()
+
+
+def test_a_session_that_is_killed_has_its_start_time(tmp_path):
+    """The system kills the program when its log grows beyond 8 MB, after some twelve seconds of the session."""
+    most = 8_000_000
+    done = subprocess.run([PROGRAMS / "simulate", "--hazard", "none", "--seconds", "60", "--homing", "quick", "--output",
+                           tmp_path / "cut"], capture_output=True, text=True, check=False,
+                          preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (most, most)))
+    assert done.returncode != 0 and not (tmp_path / "cut" / "metrics.json").exists()
+    meta = json.loads((tmp_path / "cut" / "meta.json").read_text())
+    assert re.fullmatch(r"20\d\d-\d\d-\d\dT\d\d:\d\d:\d\dZ", meta["start_time_utc"])
+    assert meta["realtime"] == "unknown: not ended cleanly"
 
 
 def test_a_folder_without_a_session_is_refused(tmp_path):

@@ -6,6 +6,7 @@ import re
 import shutil
 import subprocess
 import sys
+import types
 import unittest.mock
 import warnings
 
@@ -379,6 +380,17 @@ def test_the_limit_of_a_curve_is_that_of_the_newest_session_that_has_one():
     attempts = [{"metrics": {"time": metric, "odd": 1}} for metric in (unmeasured(old), new, old)]
     assert curves._metrics(attempts)["time"] == {**unmeasured(old), "limit": 4.0}
     assert set(curves._metrics(attempts)) == {"time"}
+
+
+def test_the_newest_of_the_other_sessions_is_the_last_and_of_its_attempts_too(tmp_path):
+    def attempts(*limits):
+        return [{"metrics": {"time": made.metric(3.0, 2.0, 0.1, limit)}} for limit in limits]
+
+    others = [made.make(tmp_path / f"day{i}", made.score(attempts=attempts(*limits)))
+              for i, limits in enumerate(((2.5, 3.5), (4.5, 5.5)))]
+    newest = {"metrics": {"time": unmeasured(made.metric(3.0))}}
+    facts = types.SimpleNamespace(score=made.score(attempts=[newest]), attempt=newest)
+    assert curves._metrics(curves._newest_attempts(facts, others))["time"]["limit"] == 5.5
 
 
 def test_an_attempt_that_failed_before_it_was_measured_leaves_all_curves(tmp_path):

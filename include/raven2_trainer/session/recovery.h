@@ -33,7 +33,7 @@ bool isUnclean(const SessionPaths& paths);
 /** Whether a running process writes or recovers the log. */
 bool isBeingWritten(const SessionPaths& paths);
 
-/** Whether the log was recovered, but its metrics are missing. */
+/** Whether the log ended cleanly or was recovered, and no process writes it, but its metrics are missing. */
 bool lacksMetrics(const SessionPaths& paths);
 
 /** Whether the log is complete, but its flight recorder's file still exists: a recovery was killed before removing it.

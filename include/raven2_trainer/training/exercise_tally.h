@@ -13,7 +13,7 @@ namespace raven2_trainer::training {
 struct ExerciseAttempt {
   ExerciseState state{};      ///< at its end, or that of the log
   Tick began{-1}, ended{-1};  ///< [1 ms] session ticks of its timer; -1 never, or before the first pedal-down
-  Tick ticks{};               ///< [1 ms] its timer ran: neither waiting nor paused
+  Tick ticks{};               ///< [1 ms] its timer ran (ModeTraits::timed)
   std::array<std::uint64_t, kExerciseEventKindCount> events{};  ///< by kind
 };
 

@@ -68,7 +68,7 @@ struct AttemptScore {
   std::vector<HazardScore> hazards;
   std::vector<MetricScore> metrics;
   std::vector<std::string> not_judged;  ///< what is scored and was not measured, or is not in the band
-  std::optional<bool> passed;           ///< nothing without a band, or where a drill had nothing to answer
+  std::optional<bool> passed;           ///< nothing without band or exercise, or where a drill had nothing to answer
   std::optional<double> composite;      ///< [-] share of the judged metrics that passed; decides nothing
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };

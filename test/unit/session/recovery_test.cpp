@@ -302,6 +302,21 @@ TEST(Recovery, WithoutMetricsIsNotDoneAndCanBeGivenUp) {
   EXPECT_TRUE(findUnfinishedSessions(parent, 10).empty());
 }
 
+TEST(Recovery, WithoutMetricsACompleteLogIsNotDoneEither) {
+  Session session("killed_before_metrics");
+  session.push(10);
+  session.record();
+  session.log->finish(SessionCounts{});
+  EXPECT_FALSE(lacksMetrics(session.paths)) << "its writer may be about to write them";
+  session.kill();
+  EXPECT_EQ(recoverSession(session.paths).status, RecoveryStatus::kNothingToDo);
+  EXPECT_TRUE(lacksMetrics(session.paths));
+  const std::string parent = session.paths.directory + "/..";
+  EXPECT_EQ(findUnfinishedSessions(parent, 10).size(), 1u);
+  std::ofstream(session.paths.metrics()) << "{}";
+  EXPECT_TRUE(findUnfinishedSessions(parent, 10).empty());
+}
+
 TEST(Recovery, GivesIntactRecordsOnlyWhateverStandsInTheFlightRecorder) {
   Session session("garbage");
   SKIP_WITHOUT_TMPFS(session);

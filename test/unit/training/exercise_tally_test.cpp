@@ -83,6 +83,19 @@ TEST(ExerciseTally, KeepsEachAttemptAsItEnded) {
   EXPECT_EQ(attempts[1].ticks, 99);
 }
 
+TEST(ExerciseTally, ItsTimeStandsStillWhereTheTimerDoes) {
+  ExerciseTally tally;
+  Tick k = 0;
+  for (const Mode mode : {Mode::kTeleoperating, Mode::kWaiting, Mode::kPaused, Mode::kReplaying, Mode::kPedalUp}) {
+    for (const Tick end = k + 10; k < end; ++k) {
+      TickRecord record = makeTick(k, 1, ExerciseStatus::kRunning, 0);
+      record.model.mode = mode;
+      tally.add(record.model);
+    }
+  }
+  EXPECT_EQ(tally.attempts()[0].ticks, 20) << "teleoperating and with the pedal up";
+}
+
 TEST(ExerciseTally, CountsEventsWithTheAttemptOfTheirTick) {
   TallySink sink;
   feedTwoAttempts(&sink);

@@ -119,6 +119,13 @@ TEST(Score, WithoutABandNothingIsJudged) {
   EXPECT_TRUE(result.improve.empty());
 }
 
+TEST(Score, WithoutAnExerciseABandJudgesTheMetricsAlone) {
+  const Band band = makeBand();
+  const AttemptScore result = score(band, makeMotion(), makeOutcome(ExerciseStatus::kNone));
+  EXPECT_EQ(result.passed, std::nullopt);
+  EXPECT_EQ(result.composite, 1.0);
+}
+
 TEST(Score, WhatWasNotMeasuredIsNotJudgedAndSaid) {
   Band band = makeBand();
   band.metrics.push_back({"ldlj", -9.0, 1.0, Better::kHigher, 0.0});

@@ -1048,5 +1048,22 @@ TEST(FaultsFile, SaysArmChannelAndBothClocksOfEachInjection) {
   }
 }
 
+TEST(Injections, AtTheUsbBoundaryOutliveTheRobotsLink) {
+  for (const bool is_merged : {false, true}) {
+    MetricsAccumulator metrics(makeHeader());
+    TickRecord record = makeTick(3, 0.0);
+    const FaultChangeRecord change = makeChange(record, 1, true);
+    is_merged ? metrics.addMerged(change) : metrics.add(change);
+    metrics.add(record);
+    record = makeTick(10, 0.0);
+    record.robot.connected = 0;
+    metrics.add(record);
+    metrics.add(makeTick(11, 0.0));
+    const SessionMetrics result = metrics.result();
+    EXPECT_EQ(result.injections.at(0).clear_tick, is_merged ? -1 : 10);
+    EXPECT_EQ(result.injections.at(0).is_assumed, !is_merged);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

@@ -427,6 +427,7 @@ struct MadeForces {
   Vec3 cue_B{}, guidance_B{}, edge_B{}, offset_B{};
   double gain{1.0}, force_gain{1.0};
   Tick fixtures_end{3000};
+  bool acts{true};  ///< forces may act
 };
 
 /** A fault of the console acts for 400 ms. The hand gets 1.5 N before, during and after it. */
@@ -442,7 +443,7 @@ void writeForces(session::LogWriter* writer, Arm arm, const MadeForces& made) {
     writer->write(record);
     HapticRecord haptic;
     haptic.haptic.tick = record.model.tick;
-    haptic.haptic.active = 1;
+    haptic.haptic.active = made.acts ? 1 : 0;
     at(haptic.haptic.force_I, arm) = {1.5, 0.0, 0.0};
     at(haptic.haptic.gain, arm) = made.gain;
     if (acts) at(haptic.haptic.cue_B, arm) = made.cue_B;
@@ -478,6 +479,21 @@ TEST_F(SessionScoreTest, GuidanceAndEdgeAreNoCueForAHazard) {
       const HazardResponse response = finish().hazards.at(0).response;
       EXPECT_EQ(response.cue_after, c.cue_after) << is_guided << " " << &c - cases;
       EXPECT_EQ(response.peak_force, 1.5) << "of the whole force";
+    }
+  }
+}
+
+/** With the pedal up, neither the force cue nor the console's fault reaches the hand. */
+TEST_F(SessionScoreTest, AForceThatMayNotActIsNoCue) {
+  for (const Arm arm : kArms) {
+    for (const bool acts : {false, true}) {
+      begin();
+      MadeForces made;
+      made.cue_B = made.offset_B = {0.0, 0.3, 0.4};
+      made.guidance_B = {1.5, 0.0, 0.0};
+      made.acts = acts;
+      writeForces(writer_.get(), arm, made);
+      EXPECT_EQ(finish().hazards.at(0).response.cue_after, acts ? 0 : -1);
     }
   }
 }
@@ -645,7 +661,8 @@ void writeStoppedFault(session::LogWriter* writer, bool by_request, bool by_peda
     record.robot.connected = 1;
     if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGold).p_BT = {0.0, 0.01, 0.0};
     if (by_pedal && k >= kInjection + 600) record.model.pedals = bit(Pedal::kStop);
-    if (by_request && k == kInjection + 600) writer->write(makeStop(k));
+    for (const Tick after : {600, 800})  // a part of the log has all of its requests before its ticks
+      if (by_request && k == kInjection + 600) writer->write(makeStop(kInjection + after));
     if (k == kInjection || k == kInjection + 400) {
       FaultChangeRecord change;
       change.tick = record.model.tick;

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -61,6 +62,34 @@ class UsbTruthTest : public ::testing::Test {
                                            {"injections", {injection}}};
   }
 
+  /** At `k`, when the robot takes command 100 + k; the file says the command `later`. Before the session: no command.
+   */
+  static nlohmann::json momentOf(Tick k, Tick later = 0) {
+    return {{"cycle", 7}, {"time_ns", kStart + k * kMillisecond}, {"command", k < 0 ? 0 : 100 + k + later}};
+  }
+
+  /** Lasts to the end of the program. */
+  static nlohmann::json injectionOf(const nlohmann::json& inject, bool is_of_packets = false) {
+    return {{"name", "sudden_jump"},
+            {"host", "robot"},
+            {"row", 0},
+            {"site", is_of_packets ? "network_layer" : "put_usb_packet"},
+            {"variable", is_of_packets ? "increment" : "dac"},
+            {"arm", "gold"},
+            {"channel", 1},
+            {"kind", "stuck_at"},
+            {"value", 8000},
+            {"inject", inject},
+            {"clear", nullptr}};
+  }
+
+  void writeInjections(const std::vector<nlohmann::json>& injections,
+                       std::int64_t offset = kStart - kBegan,
+                       std::int64_t ended = kStart + 10 * kSecond) const {
+    std::ofstream(file_) << nlohmann::json{
+        {"scenario", "sudden_jump"}, {"monotonic_offset_ns", offset}, {"ended_ns", ended}, {"injections", injections}};
+  }
+
   void expectRefused(const std::string& words) const {
     try {
       mergeUsbTruth(file_, paths_, TruthBy::kClockAlone);
@@ -105,6 +134,40 @@ TEST_F(UsbTruthTest, TheClockAloneNeedsTheSessionsStart) {
   }
   fs::remove(paths_.meta());
   expectRefused("start_time_utc");
+}
+
+/** Each thread of the control program writes its own injections, so a file is not in the order of time. */
+TEST_F(UsbTruthTest, InjectionsAreFoundInAnyOrder) {
+  for (const bool by_clock : {true, false}) {
+    writeInjections({injectionOf(momentOf(3000)), injectionOf(momentOf(1000))}, by_clock ? kStart - kBegan : 0);
+    EXPECT_EQ(mergeUsbTruth(file_, paths_, TruthBy::kClockOrCommands).by_clock, by_clock);
+    const UsbTruth truth = loadUsbTruth(paths_.usbTruth()).value();
+    ASSERT_EQ(truth.changes.size(), 2U);
+    EXPECT_EQ(truth.changes[0].tick, kFirstTick + 1000);
+    EXPECT_EQ(truth.changes[1].tick, kFirstTick + 3000);
+  }
+}
+
+/** A command that an injection into packets names may never have been taken: it says nothing. */
+TEST_F(UsbTruthTest, ClockAndCommandsAgreeWithinAFifthOfASecondEitherWay) {
+  for (const Tick later : {-1000, -201, -200, 200, 201, 1000}) {
+    for (const bool is_of_packets : {false, true}) {
+      writeInjections({injectionOf(momentOf(kInjection, later), is_of_packets)});
+      if (is_of_packets || std::abs(later) <= 200) {
+        EXPECT_EQ(mergeUsbTruth(file_, paths_, TruthBy::kClockOrCommands).inside, 1U) << later;
+      } else {
+        EXPECT_THROW(mergeUsbTruth(file_, paths_, TruthBy::kClockOrCommands), SessionException) << later;
+      }
+    }
+  }
+}
+
+TEST_F(UsbTruthTest, WhatLastedToTheEndOfAnEarlierProgramDoesNotActInTheSession) {
+  writeInjections({injectionOf(momentOf(-5000))}, kStart - kBegan, kStart - kSecond);
+  expectRefused("none of its 1 injections");
+  writeInjections({injectionOf(momentOf(-5000))}, kStart - kBegan, kStart + kSecond);
+  EXPECT_EQ(mergeUsbTruth(file_, paths_, TruthBy::kClockAlone).inside, 1U) << "this program ran in the session";
+  EXPECT_EQ(loadUsbTruth(paths_.usbTruth()).value().changes.at(0).tick, kFirstTick);
 }
 
 }  // namespace
