@@ -22,7 +22,7 @@ std::string text(std::int64_t sequence) {
 
 }  // namespace
 
-ImpairmentLog::ImpairmentLog(const std::string& path, std::int64_t start_ns) : start_ns_(start_ns) {
+ImpairmentLog::ImpairmentLog(const std::string& path, std::int64_t start_ns) : path_(path), start_ns_(start_ns) {
   if (path.empty()) return;
   file_.reset(std::fopen(path.c_str(), "w"));
   if (!file_) throw SessionException(path + ": " + std::strerror(errno));
@@ -61,6 +61,12 @@ void ImpairmentLog::out(const std::string& where,
 
 void ImpairmentLog::flush() noexcept {
   if (file_) std::fflush(file_.get());
+}
+
+void ImpairmentLog::close() {
+  if (!file_) return;
+  const bool has_failed = std::ferror(file_.get()) != 0;
+  if (std::fclose(file_.release()) != 0 || has_failed) throw SessionException(path_ + ": cannot be written");
 }
 
 }  // namespace raven2_trainer::proxy

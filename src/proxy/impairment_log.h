@@ -28,11 +28,14 @@ class ImpairmentLog {
   /** A packet came out, or is still held; its tag is the sequence number. */
   void out(const std::string& where, const impair::Delivery& packet, const char* action, std::int64_t now_ns);
   void flush() noexcept;
+  /** Nothing is written any more. @throw SessionException if some of it could not be written. */
+  void close();
 
  private:
   struct Close {
     void operator()(std::FILE* file) const noexcept { std::fclose(file); }
   };
+  const std::string path_;
   std::int64_t start_ns_;
   std::vector<char> buffer_;  ///< the file's: outlives it
   std::unique_ptr<std::FILE, Close> file_;

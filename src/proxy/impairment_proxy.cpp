@@ -68,7 +68,7 @@ std::vector<ProxyReport> ImpairmentProxy::report() const {
 
 void ImpairmentProxy::finish() {
   impl_->each([](auto& bridge) { bridge.finish(); });
-  impl_->log.flush();
+  impl_->log.close();
 }
 
 std::uint16_t ImpairmentProxy::port(std::size_t link) const {

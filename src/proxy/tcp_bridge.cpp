@@ -132,19 +132,23 @@ void TcpBridge::flush(Connection* connection, std::size_t side) {
 /** Takes away the connections that both sides have ended, or one has broken. */
 void TcpBridge::reap() {
   for (auto connection = connections_.begin(); connection != connections_.end();) {
-    const auto& ways = (*connection)->ways;
+    auto& ways = (*connection)->ways;
     if (!(*connection)->broken && !(ways[0].end_reported && ways[1].end_reported)) {
       ++connection;
       continue;
     }
-    for (const std::size_t side : {0U, 1U}) {
-      impair::ChannelCounts counts = ways[side].channel.counts();
-      unsent_[side] += std::exchange(counts.held, 0);
-      counts.forwarded = counts.in - counts.droppedTotal();
-      closed_[side] += counts;
-    }
+    for (const std::size_t side : {0U, 1U})
+      close(side, &ways[side].channel);
     connection = connections_.erase(connection);
   }
+}
+
+/** The pieces that a broken connection held are not sent, and the log says so. */
+void TcpBridge::close(std::size_t side, impair::Channel* channel) {
+  unsent_[side] += channel->counts().held;
+  while (const auto due = channel->nextDue())
+    log_.out(where_[side], *channel->take(*due), "unsent", net::monotonicNow());
+  closed_[side] += channel->counts();
 }
 
 void TcpBridge::finish() {

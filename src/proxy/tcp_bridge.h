@@ -51,6 +51,7 @@ class TcpBridge {
   void flush(Connection* connection, std::size_t side);
   bool mayRead(const Connection& connection, std::size_t side) const noexcept;
   void reap();
+  void close(std::size_t side, impair::Channel* channel);
 
   const ProxyLink link_;
   const std::uint64_t seed_, stream_;

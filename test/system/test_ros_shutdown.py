@@ -167,6 +167,38 @@ def test_with_a_master_the_daemon_ends_and_is_no_longer_registered():
         assert master.known_of("/virtual_raven")["published"] == set()
 
 
+def heard_by(master, node, topic):
+    """Publishers of a topic to which a node is connected; 0 before it answers."""
+    try:
+        code, _, connections = master.slave(node).getBusInfo("/test")
+    except OSError:
+        return 0
+    return sum(code == 1 and connection[2] == "i" and connection[4] == topic for connection in connections)
+
+
+def test_while_clients_stream_twists_the_daemon_ends():
+    # The C library overwrites freed memory: a message for a receiver that ends would end the daemon.
+    freed = {"GLIBC_TUNABLES": "glibc.malloc.tcache_count=0:glibc.malloc.perturb=165"}
+    topics = ["/arm1/servo_cv", "/arm2/servo_cv"]
+    with Stack(environment=freed) as stack, RosMaster(stack.folder) as master:
+        master.start()
+        stack.environment["ROS_MASTER_URI"] = master.uri
+        clients = [master.popen("rostopic", "pub", "-r", "1000", topic, "geometry_msgs/TwistStamped", "{}") for topic in topics]
+        try:
+            for number in range(effort(2, 10)):
+                stack.output = os.path.join(stack.folder, f"session{number}")
+                stack.start_daemon()
+                wait_until(lambda: "/arm2/servo_cv" in master.known_of("/raven2_simulator")["subscribed"], 20, "it listens")
+                wait_until(lambda: all(heard_by(master, "/raven2_simulator", topic) for topic in topics), 20, "it hears")
+                code, _ = stack.stop("simulator")
+                assert code == 0, stack.log_text("simulator")
+                assert "unknown" not in stack.meta()["realtime"], "its record is complete"
+        finally:
+            for client in clients:
+                client.kill()
+                client.wait()
+
+
 def test_a_master_that_hangs_holds_nobody_up():
     with Bench() as bench, RosMaster(bench.stack.folder) as master:
         master.start()

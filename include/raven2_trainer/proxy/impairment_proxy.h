@@ -54,7 +54,8 @@ class ImpairmentProxy {
   /** One entry for each direction of each link, in the order of the options. */
   std::vector<ProxyReport> report() const;
 
-  /** Writes what is still held into the log, as held, and closes it. report() stays as it is. */
+  /** Writes what is still held into the log, as held, and closes it. report() stays as it is. @throw SessionException
+   * if the log could not be written. */
   void finish();
 
   /** Listening port of a link. */

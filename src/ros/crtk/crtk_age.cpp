@@ -9,6 +9,7 @@
 #include <cstdio>
 
 #include "ros/node/name_of.h"
+#include "ros/node/seconds_between.h"
 
 namespace raven2_trainer::ros_bridge {
 namespace {
@@ -76,7 +77,7 @@ bool isSafer(const ServoCommand& command) noexcept {
 
 CrtkAsked unlessOld(const CrtkAsked& asked, const CrtkOrigin& origin) {
   if (!asked.command || isSafer(*asked.command)) return asked;
-  const double age = origin.stamp.isZero() ? 0.0 : (origin.now - origin.stamp).toSec();
+  const double age = origin.stamp.isZero() ? 0.0 : secondsBetween(origin.stamp, origin.now);
   const bool is_fresh = !origin.stamp.isZero() && std::abs(age) <= kOldest;
   if (origin.storage == CrtkStorage::kStored || (origin.storage == CrtkStorage::kUnknown && !is_fresh))
     return refuse(*asked.command, origin.publisher + " latches its topic, so the message may be old; send it again");

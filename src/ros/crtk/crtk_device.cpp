@@ -79,13 +79,14 @@ std::vector<std::string> CrtkDevice::services() const {
   return names;
 }
 
+/** The spinner before the listeners: a message that comes meanwhile would find half of one. */
 void CrtkDevice::stop() {
   publisher_.stop();
+  spinner_.stop();
   for (auto& listener : listeners_)
     listener.reset();
   for (auto& kinematics : kinematics_)
     kinematics.reset();
-  spinner_.stop();
 }
 
 void CrtkDevice::publish() {

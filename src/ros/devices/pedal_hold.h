@@ -9,9 +9,10 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * Whether the pedal of a topic is held, as long as a publisher could report its release. A publisher that repeats its
- * state is lost once it is silent. Its later messages count from the next pedal-up on: the pedal may have been released
- * and pressed meanwhile. A publisher that sends changes alone is lost once nobody publishes; one that died without a
- * message is never noticed. hear() and look() may be on different threads; their times [s] are of one clock.
+ * state is lost once it is silent, or once nobody publishes. Later messages count from the next pedal-up on: the pedal
+ * may have been released and pressed meanwhile. A publisher that sends changes alone is lost once nobody publishes; one
+ * that died without a message is never noticed. hear() and look() may be on different threads; their times [s] are of
+ * one clock.
  */
 class PedalHold {
  public:
@@ -31,7 +32,7 @@ class PedalHold {
     const std::lock_guard<std::mutex> lock(mutex_);
     const double age = time - heard_;
     if (expire(time)) *news = silence(age);
-    if (!is_published) held_ = false;
+    if (!is_published) leave();
     const bool is_missing = !is_published && (was_published_ || (!reported_missing_ && time > kSettle));
     if (is_missing) *news = "pedal: nobody publishes " + topic_ + ": it counts as up";
     reported_missing_ = reported_missing_ || is_missing;
@@ -47,6 +48,12 @@ class PedalHold {
     held_ = false;
     lapsed_ = true;
     return true;
+  }
+
+  /** Of a publisher that repeats its state, the first message of the next one is no press. */
+  void leave() {
+    lapsed_ = lapsed_ || (held_ && silent_after_ > 0.0);
+    held_ = false;
   }
 
   std::string silence(double age) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "ros/node/seconds_between.h"
 #include "ros/raven/raven_conversion.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -91,7 +92,7 @@ void RavenStateReader::readArm(Arm arm, int cycles, const JointArray& motor, Rob
  * kRestart after a gap, a step back, or a dt of zero, which only the first message of a start has.
  */
 int RavenStateReader::cyclesSince(const ros::Time& stamp, const ros::Duration& dt) {
-  const double step = (stamp - stamp_).toSec();
+  const double step = secondsBetween(stamp_, stamp);
   const bool is_first = cycle_ == 0;
   const bool is_restart = dt.isZero() && step != 0.0;
   stamp_ = stamp;

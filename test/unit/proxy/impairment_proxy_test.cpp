@@ -3,9 +3,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <numeric>
+#include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/net/clock.h"
@@ -57,6 +60,45 @@ TEST(ImpairmentProxyTest, DatagramsGoToTheTargetAndAnswersBackToTheSender) {
   target.sendTo(got->source, answer, sizeof(answer));
   serveUntil(&proxy, [&] { return (got = client.receive(buffer, sizeof(buffer))).has_value(); });
   EXPECT_EQ(std::vector<std::uint8_t>(buffer, buffer + got->size), std::vector<std::uint8_t>({4, 5}));
+}
+
+/** A console that is started again sends from another port. */
+TEST(ImpairmentProxyTest, AnswersGoToTheSenderOfTheNewestDatagram) {
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kDatagrams, target.port(), {}));
+  std::vector<net::UdpSocket> clients;
+  for (std::uint8_t number = 1; number <= 3; ++number) {
+    clients.push_back(net::UdpSocket::connected({0x7F000001, proxy.port(0)}));
+    clients.back().send(&number, 1);
+    std::uint8_t buffer[64] = {};
+    std::optional<net::Datagram> got;
+    serveUntil(&proxy, [&] { return (got = target.receive(buffer, sizeof(buffer))).has_value(); });
+    ASSERT_TRUE(got);
+    target.sendTo(got->source, buffer, 1);
+    serveUntil(&proxy, [&] { return proxy.report()[1].counts.forwarded == number; });
+    EXPECT_TRUE(clients.back().receive(buffer, sizeof(buffer))) << int{number};
+  }
+}
+
+TEST(ImpairmentProxyTest, TwoLinksLoseDifferentDatagrams) {
+  Impairment impairment;
+  impairment.loss = 0.5;
+  std::array<net::UdpSocket, 2> targets{net::UdpSocket::bound(kLoopback, 0), net::UdpSocket::bound(kLoopback, 0)};
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, targets[0].port(), impairment);
+  options.links.push_back(linkTo(impair::Medium::kDatagrams, targets[1].port(), impairment).links[0]);
+  ImpairmentProxy proxy(options);
+  std::array<std::vector<int>, 2> arrived;
+  for (std::size_t link = 0; link < 2; ++link) {
+    net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(link)});
+    for (std::uint8_t number = 0; number < 200; ++number)
+      client.send(&number, 1);
+    serveUntil(&proxy, [&] { return proxy.report()[2 * link].counts.in == 200; });
+    std::uint8_t byte = 0;
+    while (targets[link].receive(&byte, 1))
+      arrived[link].push_back(byte);
+    EXPECT_NEAR(static_cast<double>(arrived[link].size()), 100.0, 40.0);
+  }
+  EXPECT_NE(arrived[0], arrived[1]);
 }
 
 TEST(ImpairmentProxyTest, TheSameSeedLosesTheSameDatagramsAndTheFiguresAddUp) {
@@ -170,6 +212,72 @@ TEST(ImpairmentProxyTest, AStreamIsHeldUpByAnOutageAndGoesOnBehindIt) {
   std::uint8_t buffer[8];
   serveUntil(&proxy, [&] { return server->receive(buffer, sizeof(buffer)).count == 1; });
   EXPECT_GE(net::monotonicNow() - start, 300 * kMillisecond);
+}
+
+TEST(ImpairmentProxyTest, ConnectionsThatAreOverStayInTheFigures) {
+  net::StreamListener target(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kStream, target.port(), {}));
+  std::uint8_t byte = 7;
+  for (std::uint64_t number = 1; number <= 3; ++number) {
+    auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+    ASSERT_TRUE(client);
+    std::optional<net::StreamSocket> server;
+    serveUntil(&proxy, [&] { return (server = target.accept()).has_value(); });
+    ASSERT_TRUE(server);
+    for (net::StreamSocket* end : {&*client, &*server}) {
+      end->send(&byte, 1);
+      end->endSending();
+    }
+    for (net::StreamSocket* end : {&*client, &*server}) {
+      serveUntil(&proxy, [&] { return end->receive(&byte, 1).count == 1; });
+      serveUntil(&proxy, [&] { return end->receive(&byte, 1).result == net::StreamSocket::Result::kEnd; });
+    }
+    for (const ProxyReport& report : proxy.report()) {
+      EXPECT_EQ(report.connections, number);
+      EXPECT_EQ(report.counts.in, number) << report.direction;
+      EXPECT_EQ(report.counts.forwarded, number) << report.direction;
+    }
+  }
+}
+
+TEST(ImpairmentProxyTest, TheLogHasWhatABrokenConnectionHeld) {
+  const auto path = std::filesystem::temp_directory_path() / ("raven2_broken_" + std::to_string(getpid()) + ".csv");
+  Impairment slow;
+  slow.delay.constant_ns = 3600'000 * kMillisecond;
+  net::StreamListener target(kLoopback, 0);
+  ProxyOptions options = linkTo(impair::Medium::kStream, target.port(), slow);
+  options.links[0].back = {};
+  options.log = path.string();
+  ImpairmentProxy proxy(options);
+  auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+  ASSERT_TRUE(client);
+  std::optional<net::StreamSocket> server;
+  serveUntil(&proxy, [&] { return (server = target.accept()).has_value(); });
+  const std::uint8_t byte = 1;
+  client->send(&byte, 1);
+  serveUntil(&proxy, [&] { return proxy.report()[0].counts.in == 1; });
+  server->send(&byte, 1);
+  serveUntil(&proxy, [&] { return proxy.report()[1].counts.forwarded == 1; });
+  client.reset();  // it has not read what came, so the connection breaks
+  serveUntil(&proxy, [&] { return proxy.report()[0].unsent == 1; });
+  EXPECT_TRUE(proxy.report()[0].counts.addsUp());
+  EXPECT_EQ(proxy.report()[0].counts.forwarded, 1U);
+  proxy.finish();
+  std::ifstream file(path);
+  const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+  const std::string row = "tcp " + std::to_string(proxy.port(0)) + ",forward,0,0,,1,";
+  const std::size_t begin = text.find(row);
+  ASSERT_NE(begin, std::string::npos) << text;
+  EXPECT_NE(text.substr(begin, text.find('\n', begin) - begin).find(",unsent,"), std::string::npos) << text;
+  std::filesystem::remove(path);
+}
+
+TEST(ImpairmentProxyTest, ALogThatCannotBeWrittenIsReported) {
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, 9, {});
+  options.log = "/dev/full";  // it can be opened, but takes nothing
+  ImpairmentProxy proxy(options);
+  EXPECT_THROW(proxy.finish(), SessionException);
+  EXPECT_NO_THROW(proxy.finish()) << "it is reported once";
 }
 
 TEST(ImpairmentProxyTest, ATargetThatIsNotThereClosesTheClientsConnection) {

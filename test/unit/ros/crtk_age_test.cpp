@@ -145,6 +145,16 @@ TEST(CrtkAge, AFreshStampSaysThatALatchedMessageIsNew) {
   EXPECT_FALSE(isTaken(CrtkStorage::kStored, 99.9)) << "it was received before";
 }
 
+TEST(CrtkAge, AStampMayBeAnyNumberOfYearsAway) {
+  const ros::Time last(4294967295U, 999999999U), now(1700000000U, 0U);  // ros::TIME_MAX, for one
+  const auto is_taken = [](CrtkStorage storage, const ros::Time& stamp, const ros::Time& at) {
+    return unlessOld(of(ServoKind::kServoPose), {"/c", storage, stamp, at}).command.has_value();
+  };
+  EXPECT_TRUE(is_taken(CrtkStorage::kNew, last, now)) << "another host's clock, not an old command";
+  EXPECT_FALSE(is_taken(CrtkStorage::kUnknown, last, now));
+  EXPECT_FALSE(is_taken(CrtkStorage::kNew, ros::Time(1U, 0U), last));
+}
+
 TEST(CrtkAge, WhatIsNoCommandAnywayKeepsItsReason) {
   const CrtkOrigin old{"/c", CrtkStorage::kUnknown, ros::Time(1.0), ros::Time(100.0)};
   const CrtkAsked asked = unlessOld(readState(Arm::kGold, "go"), old);

@@ -62,6 +62,14 @@ TEST_F(CrtkLastingTest, AClientThatStopsPublishingEndsItsTwistThoughAnotherTopic
   EXPECT_EQ(looks(10), 0) << "that has ended already";
 }
 
+TEST_F(CrtkLastingTest, OneOfTwoClientsThatStopsPublishingEndsTheTwist) {
+  publishers[kTwist] = 2;
+  lasting.take(kTwist, now);
+  EXPECT_EQ(looks(3), 0);
+  publishers[kTwist] = 1;
+  EXPECT_EQ(looks(10), 1) << "it may have been the one that moves the arm";
+}
+
 TEST_F(CrtkLastingTest, AClientThatDiesEndsItsTwistThoughAnotherTopicIsUsed) {
   for (const char* later : {kJaw, kForce}) {
     lasting.take(kTwist, now);

@@ -458,6 +458,27 @@ TEST(PedalHoldTest, OneThatRepeatsItselfIsUpOnceNobodyPublishes) {
   EXPECT_FALSE(pedal.look(true, 1.3, &news));
 }
 
+TEST(PedalHoldTest, OneThatIsStartedAgainWithThePedalDownIsUpUntilARelease) {
+  PedalHold pedal("/foot", 60.0);
+  std::string news;
+  pedal.hear(true, 1.0);
+  EXPECT_TRUE(pedal.look(true, 1.1, &news));
+  EXPECT_FALSE(pedal.look(false, 1.2, &news));
+  pedal.hear(true, 1.3);
+  EXPECT_FALSE(pedal.look(true, 1.4, &news)) << "nobody pressed the pedal again";
+  pedal.hear(false, 1.5);
+  pedal.hear(true, 1.6);
+  EXPECT_TRUE(pedal.look(true, 1.7, &news));
+}
+
+TEST(PedalHoldTest, TheFirstPressOfOneThatComesLaterCounts) {
+  PedalHold pedal("/foot", 60.0);
+  std::string news;
+  EXPECT_FALSE(pedal.look(false, 1.0, &news));
+  pedal.hear(true, 1.1);
+  EXPECT_TRUE(pedal.look(true, 1.2, &news));
+}
+
 std::string valueOf(const diagnostic_msgs::DiagnosticStatus& status, const std::string& key) {
   for (const auto& pair : status.values) {
     if (pair.key == key) return pair.value;

@@ -399,6 +399,17 @@ TEST_F(RavenStateReaderTest, AnyBreakOfTheStreamStartsBothArmsWithoutVelocity) {
   }
 }
 
+TEST_F(RavenStateReaderTest, AClockThatIsYearsAheadIsABreakOfTheStream) {
+  auto message = moving<raven_2::RavenState>(0, {});
+  ASSERT_TRUE(reader.read(message, 1, &state));
+  for (const std::uint32_t second : {4000000000U, 1000U}) {
+    message.hdr.stamp = ros::Time(second, 0U);
+    ASSERT_TRUE(reader.read(message, 2, &state));
+    EXPECT_EQ(state.arms[0].dq, JointArray{}) << second;
+  }
+  EXPECT_EQ(state.cycle, 3U);
+}
+
 TEST_F(RavenStateReaderTest, ASubLevelBeyondAByteIsTheNearest) {
   auto message = moving<raven_2::RavenState>(0, {});
   for (const auto& [told, read] : {std::pair(7, 7), std::pair(300, 255), std::pair(-5, 0)}) {
