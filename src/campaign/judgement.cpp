@@ -79,9 +79,10 @@ Explanations loadExplanations(const std::string& path, const Campaign& campaign)
 }
 
 void keepExplanations(const Campaign& campaign, const OutputPaths& paths) {
-  const std::string kept = paths.explanations(campaign.name);
+  const std::string kept = paths.explanations(campaign.name), given = explanationsOf(campaign.file);
+  std::error_code none;
+  if (fs::equivalent(given, kept, none)) return;  // the output is written next to the campaign
   fs::remove(kept);
-  const std::string given = explanationsOf(campaign.file);
   if (fs::exists(given)) fs::copy_file(given, kept);
 }
 

@@ -101,6 +101,8 @@ class Reader {
 
   Campaign read() {
     campaign_.name = root_.text("name");
+    if (campaign_.name.find('/') != std::string::npos)
+      throw ConfigException(root_.where("name") + " holds a /, but names a file of the results");
     campaign_.title = root_.text("title");
     campaign_.source = root_.text("source");
     campaign_.plant = root_.text("plant");
@@ -198,13 +200,16 @@ class Reader {
 
   FaultPlan readPlan(const std::vector<Section>& point, const CampaignRun& run) {
     Random random(run.seed, kDrawStream);
+    std::vector<std::string> drawn;  // of the run: the same in every row
+    for (const Draw& draw : draws_) {
+      const double value = random.uniform(draw.low, draw.high);
+      drawn.push_back(print(draw.whole ? std::floor(value) : value));
+    }
     FaultPlan plan;
     plan.generation = kGeneration;
     for (Section row : point) {
-      for (const Draw& draw : draws_) {
-        const double drawn = random.uniform(draw.low, draw.high);
-        row = row.with(draw.key, print(draw.whole ? std::floor(drawn) : drawn));
-      }
+      for (std::size_t i = 0; i < draws_.size(); ++i)
+        row = row.with(draws_[i].key, drawn[i]);
       Fault fault = config::readFault(row, 1, impairments_);
       fault.seed += run.seed;
       plan.faults[plan.count++] = fault;

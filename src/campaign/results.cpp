@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -106,6 +107,14 @@ std::string table(const std::map<std::uint32_t, std::string>& rows) {
   return text;
 }
 
+/** Whether an open file is still the one of this path. */
+bool isFileAt(const std::string& path, int file) {
+  struct stat held {
+  }, there{};
+  return ::fstat(file, &held) == 0 && ::stat(path.c_str(), &there) == 0 && held.st_dev == there.st_dev &&
+         held.st_ino == there.st_ino;
+}
+
 /** Lines that end; what comes after the last end of line is torn. */
 std::vector<std::string> wholeLines(const std::string& text) {
   std::vector<std::string> lines;
@@ -160,9 +169,7 @@ PartialOutcomes::PartialOutcomes(const OutputPaths& paths,
     demandSame(paths_.identity(), found, identity_);
     if (found.shard != identity_.shard) fail(paths_.identity(), "is shard " + std::to_string(found.shard));
   }
-  file_ = ::open(paths_.part().c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
-  if (file_ < 0) fail(paths_.part(), std::strerror(errno));
-  lock(lock_wait);
+  openLocked(lock_wait);
   if (is_new) replaceFile(paths_.identity(), textOf(identity_));
   takeOver(campaign);
 }
@@ -191,6 +198,16 @@ bool PartialOutcomes::takeRow(const std::string& line, const Campaign& campaign)
   const std::uint32_t run = runOf(line, campaign);
   if (run != 0 && hasOutcome(line)) rows_[run] = line;
   return run != 0;
+}
+
+/** A process that finishes removes its file: who waited for its lock has that of a file that is gone. */
+void PartialOutcomes::openLocked(int wait) {
+  do {
+    if (file_ >= 0) ::close(file_);
+    file_ = ::open(paths_.part().c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0644);
+    if (file_ < 0) fail(paths_.part(), std::strerror(errno));
+    lock(wait);
+  } while (!isFileAt(paths_.part(), file_));
 }
 
 /** The lock of a node that was lost lives on until its file server notices. */

@@ -1,6 +1,7 @@
 #include "planning/arm_checks.h"
 
 #include <algorithm>
+#include <iterator>
 
 #include "planning/planning_problem.h"
 
@@ -43,15 +44,16 @@ bool ArmChecks::isFree(const UnitState& unit) noexcept {
 }
 
 bool ArmChecks::isEdgeFree(const UnitState& a, const UnitState& b) {
-  for (const UnitState& end : tight_ends_) {
-    if (a != end && b != end) continue;
-    return planning::isEdgeFree(a, b, edge_step_ / kFiner, [&](const UnitState& x) { return isFreeNear(end, x); });
-  }
-  return kept_.isEdgeFree(space_.toJoints(a), space_.toJoints(b));
+  std::vector<UnitState> ends;  // of this edge: both may be tight
+  std::copy_if(tight_ends_.begin(), tight_ends_.end(), std::back_inserter(ends),
+               [&](const UnitState& end) { return a == end || b == end; });
+  if (ends.empty()) return kept_.isEdgeFree(space_.toJoints(a), space_.toJoints(b));
+  return planning::isEdgeFree(a, b, edge_step_ / kFiner, [&](const UnitState& x) { return isFreeNear(ends, x); });
 }
 
-bool ArmChecks::isFreeNear(const UnitState& end, const UnitState& unit) {
-  return isFree(unit) || (distance(end, unit) <= kEndReach && !touches(unit));
+bool ArmChecks::isFreeNear(const std::vector<UnitState>& ends, const UnitState& unit) {
+  const auto is_near = [&unit](const UnitState& end) { return distance(end, unit) <= kEndReach; };
+  return isFree(unit) || (std::any_of(ends.begin(), ends.end(), is_near) && !touches(unit));
 }
 
 bool ArmChecks::touches(const UnitState& unit) {

@@ -45,7 +45,7 @@ class ArmChecks {
 
  private:
   bool touches(const UnitState& unit);
-  bool isFreeNear(const UnitState& end, const UnitState& unit);
+  bool isFreeNear(const std::vector<UnitState>& ends, const UnitState& unit);
 
   const double edge_step_;
   JointSpace space_;

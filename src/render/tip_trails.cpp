@@ -61,7 +61,7 @@ void TipTrails::follow(const Snapshot& snapshot) {
   }
   last_ = tick;
   const auto is_old = [&](const Mark& mark) { return mark.tick <= tick - duration_; };
-  marks_.erase(marks_.begin(), std::find_if_not(marks_.begin(), marks_.end(), is_old));
+  marks_.erase(std::remove_if(marks_.begin(), marks_.end(), is_old), marks_.end());  // the arms' marks alternate
 }
 
 std::vector<Vector3> TipTrails::marks(Trail trail) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <limits>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -36,7 +37,7 @@ planning::PlanOptions withSamples(planning::PlanOptions options, std::uint32_t s
   return options;
 }
 
-/** Hands on in order what comes in any order. */
+/** Hands on in order what comes in any order. Once `take` threw, it gets no more. */
 class InOrder {
  public:
   explicit InOrder(const std::function<void(PlanRun)>& take) : take_(take) {}
@@ -45,13 +46,16 @@ class InOrder {
     const std::lock_guard<std::mutex> lock(mutex_);
     waiting_.emplace(position, std::move(run));
     for (auto first = waiting_.begin(); first != waiting_.end() && first->first == next_; first = waiting_.begin()) {
+      const std::size_t taken = std::exchange(next_, kNone);  // stays so if it throws
       take_(std::move(first->second));
       waiting_.erase(first);
-      ++next_;
+      next_ = taken + 1;
     }
   }
 
  private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
   const std::function<void(PlanRun)>& take_;
   std::mutex mutex_;
   std::map<std::size_t, PlanRun> waiting_;

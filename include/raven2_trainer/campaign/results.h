@@ -80,6 +80,7 @@ class PartialOutcomes {
   void finish();
 
  private:
+  void openLocked(int wait);
   void lock(int wait);
   void takeOver(const Campaign& campaign);
   bool takeRow(const std::string& line, const Campaign& campaign);

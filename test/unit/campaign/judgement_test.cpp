@@ -145,6 +145,20 @@ TEST(KeepExplanations, ThoseOfTheNewestStartAreKept) {
   fs::remove_all(folder);
 }
 
+TEST(KeepExplanations, ThoseNextToTheResultsStayThere) {
+  const fs::path folder = fs::temp_directory_path() / ("raven2_beside_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  Campaign campaign = sixRuns();
+  campaign.file = (folder / "six.yaml").string();
+  const OutputPaths paths{folder.string()};
+  std::ofstream(paths.explanations(campaign.name)) << "mine";
+  keepExplanations(campaign, paths);
+  std::string kept;
+  std::getline(std::ifstream(paths.explanations(campaign.name)), kept);
+  EXPECT_EQ(kept, "mine");
+  fs::remove_all(folder);
+}
+
 class Explained : public ::testing::Test {
  protected:
   void SetUp() override {

@@ -141,6 +141,29 @@ TEST(Plan, DrawsAreOfEachRunAndInTheirRange) {
   EXPECT_NEAR(sum / 1000.0, -0.5, 28.0);
 }
 
+/** As doc/campaign.md has it: drawn for each run, and put into every row. */
+TEST(Plan, ADrawIsTheSameInEveryRowOfARun) {
+  const std::string drawn =
+      replaced(kScenario, "repetitions: 3", "repetitions: 3\n    random: {value: {low: -300, high: 300, whole: true}}");
+  const std::string first = replaced(drawn, "value: \\[-1000, 0, 1000, 2000\\], ", "");
+  const Campaign campaign = read(first +
+                                 "      - {host: robot, site: put_usb_packet, variable: dac, kind: stuck_at, arm: "
+                                 "gold, channel: elbow, start: {trigger: pedal_down, first_tick: 1000}, "
+                                 "duration_ticks: 4}\n");
+  ASSERT_EQ(campaign.runs.size(), 12u);
+  std::set<double> values;
+  for (const CampaignRun& run : campaign.runs) {
+    ASSERT_EQ(run.plan.count, 2u);
+    EXPECT_EQ(run.plan.faults[0].value, run.plan.faults[1].value) << run.number;
+    values.insert(run.plan.faults[0].value);
+  }
+  EXPECT_GT(values.size(), 6u) << "each run has its own";
+}
+
+TEST(Plan, ANameThatIsNoFileNameIsRefused) {
+  EXPECT_NE(refusal(replaced(kHead, "name: test", "name: mine/test") + kScenario).find("holds a /"), std::string::npos);
+}
+
 TEST(Plan, ShardsAreAPartition) {
   const Campaign campaign = read(kScenario);
   for (const std::size_t shards : {1u, 2u, 7u, 48u, 100u}) {

@@ -5,12 +5,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <map>
+#include <memory>
 #include <sstream>
+#include <thread>
 
 #include "raven2_trainer/core/exceptions.h"
 
@@ -323,6 +326,35 @@ TEST_F(Results, OneProcessAtATimeWrites) {
   PartialOutcomes first({at("a")}, identity(), campaign_, false);
   EXPECT_NE(messageOf([this] { PartialOutcomes({at("a")}, identity(), campaign_, true); }).find("another process"),
             std::string::npos);
+}
+
+/** How often this process has a file open. */
+std::size_t timesOpen(const std::string& path) {
+  std::size_t count = 0;
+  std::error_code none;
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc/self/fd"))
+    count += fs::equivalent(entry.path(), path, none) ? 1 : 0;
+  return count;
+}
+
+TEST_F(Results, WhoWaitsForAProcessThatFinishesFindsAllDone) {
+  auto first = std::make_unique<PartialOutcomes>(OutputPaths{at("a")}, identity(), campaign_, false);
+  for (const CampaignRun& run : campaign_.runs)
+    first->add(run.number, rowOf(run));
+  std::size_t found = 0;
+  std::string said;
+  std::atomic<bool> has_ended{false};
+  std::thread second([&] {
+    said = messageOf([&] { found = PartialOutcomes({at("a")}, identity(), campaign_, true, /*lock_wait=*/60).size(); });
+    has_ended = true;
+  });
+  while (timesOpen(at("a") + "/outcomes.part") < 2 && !has_ended)
+    std::this_thread::yield();
+  first->finish();
+  first.reset();
+  second.join();
+  EXPECT_EQ(said, "");
+  EXPECT_EQ(found, 6u);
 }
 
 TEST_F(Results, MergedShardsAreTheBytesOfOneMachine) {

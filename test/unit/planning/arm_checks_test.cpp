@@ -167,5 +167,29 @@ TEST_P(ArmChecksOf, EdgesAtATightEndAreLetOffTheClearanceNearItAndTheTouchNowher
   EXPECT_GT(kept_all, 20);
 }
 
+TEST_P(ArmChecksOf, AnEdgeBetweenTwoTightEndsIsLetOffTheClearanceNearBoth) {
+  ArmChecks checks = make();
+  ArmCollision bare(raven_, obstacles_, GetParam(), 0.0);
+  bare.placeOther(home_);
+  const JointSpace space(raven_.arms.geometry, kinematics::jawOpening(home_));
+  const auto touches = [&](const UnitState& a, const UnitState& b) {
+    for (int i = 0; i <= 100; ++i) {
+      if (bare.touches(space.toJoints(interpolate(a, b, i / 100.0)))) return true;
+    }
+    return false;
+  };
+  int edges = 0, called_free = 0;
+  for (int i = 0; i < 1000; ++i) {
+    checks.begin(space, home_);
+    const UnitState start = randomTight(&checks), to = randomUnit();
+    const UnitState goal = interpolate(start, to, 1.8 * kEndReach / distance(start, to));  // all of it is near an end
+    if (checks.isFree(goal) || !checks.allowEnd(goal) || touches(start, goal)) continue;
+    ++edges;
+    called_free += checks.isEdgeFree(start, goal) ? 1 : 0;
+  }
+  EXPECT_GT(edges, 10);
+  EXPECT_GT(called_free, 0.9 * edges);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::planning

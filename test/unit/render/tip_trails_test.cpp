@@ -66,6 +66,15 @@ TEST(TipTrails, OlderMarksAreForgotten) {
   EXPECT_NEAR(places.front(), 0.01 * (100.0 - 0.45), 1e-9);
 }
 
+TEST(TipTrails, OldMarksOfBothArmsAreForgottenTogether) {
+  TipTrails t = trails(0.5);
+  for (Tick tick = 0; tick <= 1000; tick += 100)
+    t.follow(at(tick, 0.1));
+  t.follow(at(1050, 0.1));
+  EXPECT_EQ(goldPlaces(t).size(), 10U);
+  EXPECT_EQ(t.marks(Trail::kTrack).size(), 2 * 10U);
+}
+
 TEST(TipTrails, AsManyAreKeptWhetherOneFollowsAllOrTheLastSecondsOnly) {
   TipTrails all = trails(1.0), late = trails(1.0);
   for (Tick tick = 0; tick <= 5000; tick += 33) {
