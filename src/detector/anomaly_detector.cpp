@@ -162,6 +162,7 @@ void AnomalyDetector::judge(Arm arm) noexcept {
     largest = std::max(largest, judgeAxis(arm, i, departs));
     is_beyond = is_beyond || at(was_beyond_, arm)[i];
   }
+  at(verdict_.alarms, arm) = largest > config_.factor;
   at(suspicion_, arm).step(largest, departs, is_beyond);
 }
 

@@ -54,7 +54,8 @@ void HapticLoop::send(double seconds) noexcept {
   ForcePacket packet;
   packet.sequence = static_cast<std::uint32_t>(last_.count);
   packet.last_sequence = robot_.last_sequence;
-  packet.runlevel = static_cast<std::uint8_t>(robot_.frame > 0 ? robot_.runlevel : RunLevel::kEStop);
+  const bool has_robot = robot_.connected != 0 && robot_.frame > 0;  // a console must not take a gone one for ready
+  packet.runlevel = static_cast<std::uint8_t>(has_robot ? robot_.runlevel : RunLevel::kEStop);
   for (const Arm arm : kArms)
     at(packet.force_I, arm) = forConsole(arm, seconds);
   shared_.force_packets.tryPush(packet);

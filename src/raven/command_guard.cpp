@@ -56,11 +56,11 @@ bool CommandGuard::check(const PerArm<ArmCommand>& commands, bool engaged) noexc
   }
   if (!verdict.alarm) return false;
   ++report_.cycles_acted;
-  if (mitigate_ == Mitigation::kHold) replace(at(commands, verdict.arm), at(safe_, verdict.arm));
-  if (mitigate_ != Mitigation::kStop) return false;
-  for (const Arm arm : kArms)
-    replace(at(commands, arm), DacArray{});
-  return true;
+  const bool stops = mitigate_ == Mitigation::kStop;
+  for (const Arm arm : kArms) {
+    if (stops || at(verdict.alarms, arm)) replace(at(commands, arm), stops ? DacArray{} : at(safe_, arm));
+  }
+  return stops;
 }
 
 }  // namespace raven2_trainer::raven

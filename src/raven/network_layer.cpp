@@ -73,15 +73,20 @@ void NetworkLayer::apply(const wire::ItpPacket& packet) noexcept {
 }
 
 void NetworkLayer::automove(const PerArm<Vec3>& dp_um_base0, const PerArm<Quat>& dq) noexcept {
-  silent_cycles_ = -1;
+  update();
   for (const Arm arm : kArms)
     at(targets_, arm).addInBase(at(dp_um_base0, arm), at(dq, arm));
 }
 
 void NetworkLayer::rebase(const PerArm<const MasterTarget*>& poses) noexcept {
-  silent_cycles_ = -1;
+  update();
   for (const Arm arm : kArms)
     at(targets_, arm).rebase(*at(poses, arm));
+}
+
+/** Of a Raven's own time-out. Hardened, only the master's packets say that somebody holds the pedal. */
+void NetworkLayer::update() noexcept {
+  if (!hardened_) silent_cycles_ = -1;
 }
 
 void NetworkLayer::tick() noexcept {

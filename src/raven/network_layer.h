@@ -32,7 +32,8 @@ class NetworkLayer {
   /** Hardened: lets go of a silent master. Once a cycle. */
   void idle(std::int64_t now_ns) noexcept { gate_.idle(now_ns); }
 
-  /** Once a cycle: the pedal comes up when more than `master_timeout` cycles have passed without an update. */
+  /** Once a cycle: the pedal comes up when more than `master_timeout` cycles have passed without an update. Hardened,
+   *  only a packet is one. */
   void tick() noexcept;
 
   /** Increments of /raven_automove: base frame, no sequence, pedal or grasp; an update like a packet. */
@@ -51,6 +52,7 @@ class NetworkLayer {
  private:
   void take(wire::ItpPacket packet, faults::FaultEngine* faults) noexcept;
   void apply(const wire::ItpPacket& packet) noexcept;
+  void update() noexcept;
 
   bool hardened_;
   wire::SequenceRule rule_;

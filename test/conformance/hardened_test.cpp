@@ -156,6 +156,35 @@ TEST(Hardened, ThePedalComesUpAfterTheTimeOutOfTheIngest) {
   EXPECT_LE(cycles, 220);  // and the PLC's answer
 }
 
+/** Outside PEDAL_DN nobody else counts its silence. */
+TEST(Hardened, ThePedalOfADeadMasterDoesNotEngageARobotThatStartsAgain) {
+  Robot robot(hardened());
+  introduceAndEngage(&robot);
+  for (int k = 0; k < 250; ++k)
+    robot.plant.step(robot.out);  // no edge of the watchdog for more than 200 cycles
+  robot.cycles(300);
+  ASSERT_EQ(robot.level(), RunLevel::kEStop);
+  robot.plant.pressStart();
+  for (int k = 0; k < 200; ++k) {
+    robot.cycle();
+    ASSERT_NE(robot.level(), RunLevel::kPedalDown) << k;
+  }
+  EXPECT_EQ(robot.level(), RunLevel::kPedalUp);
+}
+
+TEST(Hardened, AutomovesDoNotKeepThePedalOfADeadMasterDown) {
+  Robot robot(hardened());
+  introduceAndEngage(&robot);
+  int cycles = 0;
+  while (robot.level() == RunLevel::kPedalDown && cycles < 1000) {
+    robot.software.automove({}, {kIdentityQuat, kIdentityQuat});
+    robot.cycle();
+    ++cycles;
+  }
+  EXPECT_GE(cycles, 200);
+  EXPECT_LE(cycles, 220);
+}
+
 TEST(Hardened, ASignedPacketIsUsedByAnUnmodifiedRaven) {
   const wire::ItpKey key(std::array<std::uint8_t, wire::ItpKey::kSize>{});
   const wire::ItpSession session(key, wire::Audience::kRobot, wire::Nonce{}, wire::Nonce{});

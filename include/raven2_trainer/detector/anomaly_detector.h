@@ -51,6 +51,7 @@ struct Verdict {
   double size{};            ///< [-] least ratio of that joint's quantities to their thresholds; with rule `departure`
                             ///< also of `excursion` to DetectorConfig::excursion. Above DetectorConfig::factor: alarm
   double excursion{};       ///< [m] predicted departure of that arm's tip; its threshold: DetectorConfig::excursion
+  PerArm<bool> alarms{};    ///< of each arm, also of the one that is not the nearest to an alarm
 };
 
 /**

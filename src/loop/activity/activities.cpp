@@ -77,8 +77,8 @@ void Activities::watchRobot() noexcept {
 
 void Activities::watchRunLevel() noexcept {
   RobotTie& robot = stage_.robot;
-  if (robot.isReady() && robot.isStopped() && stage_.mode() != Mode::kStopped) {
-    stage_.stopped_by_robot = true;
+  if (robot.isReady() && robot.isStopped()) {
+    stage_.stopped_by_robot = true;  // also behind a stop of ours, which then does not end it
     raise(Event::kEmergencyStop);
   } else if (stage_.stopped_by_robot && robot.state().runlevel >= RunLevel::kPedalUp) {
     stage_.stopped_by_robot = false;

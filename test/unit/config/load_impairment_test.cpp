@@ -62,6 +62,33 @@ TEST_F(LoadImpairment, AFileThatNamesNothingIsAPerfectLink) {
   EXPECT_FALSE(impairment.pareto_bursts.is_on);
 }
 
+TEST_F(LoadImpairment, OutagesRunsAndABottleneckArriveFromTheirKeys) {
+  ASSERT_EQ(message("meaning: m\n"
+                    "outages:\n  - {from_s: 3, to_s: 4.5}\n  - {from_s: 0, to_s: 0.25}\n"
+                    "loss_runs: {probability: 0.125, packets: 7}\n"
+                    "rate: {kbit_per_s: 250, queue_ms: 40}\n"
+                    "reordering: {probability: 0.5, depth: 6, longest_ms: 30}\n"
+                    "cuts: {first_s: 1, shortest_s: 2, longest_s: 3, pause_s: 4}\n"),
+            "");
+  const Impairment c = loadImpairment(path_.string());
+  ASSERT_EQ(c.outages.size(), 2U);
+  EXPECT_EQ(c.outages[0].from_ns, 3'000'000'000);
+  EXPECT_EQ(c.outages[0].to_ns, 4'500'000'000);
+  EXPECT_EQ(c.outages[1].from_ns, 0);
+  EXPECT_EQ(c.outages[1].to_ns, 250'000'000);
+  EXPECT_EQ(c.loss_runs.probability, 0.125);
+  EXPECT_EQ(c.loss_runs.packets, 7);
+  EXPECT_EQ(c.rate.bits_per_s, 250e3);
+  EXPECT_EQ(c.rate.queue_ns, 40'000'000);
+  EXPECT_EQ(c.reordering.probability, 0.5);
+  EXPECT_EQ(c.reordering.depth, 6);
+  EXPECT_EQ(c.reordering.longest_ns, 30'000'000);
+  EXPECT_EQ(c.cuts.first_ns, 1'000'000'000);
+  EXPECT_EQ(c.cuts.shortest_ns, 2'000'000'000);
+  EXPECT_EQ(c.cuts.longest_ns, 3'000'000'000);
+  EXPECT_EQ(c.cuts.pause_ns, 4'000'000'000);
+}
+
 TEST_F(LoadImpairment, MistakesAreToldWithFileAndLine) {
   const std::string place = path_.string();
   const auto told = [&](const std::string& content, const std::string& line, const std::string& what) {

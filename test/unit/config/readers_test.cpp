@@ -112,6 +112,16 @@ TEST(Readers, ALimitThatAnotherKeySetsFollowsThatKey) {
               {{"live/fps", "20", "test"}, {"live/slowest", "20", "test"}});
 }
 
+/** Commands and torques are divided by them: the plant's joints would be no numbers. */
+TEST(ReadVirtualRaven, NoAxisHasNoTorqueOrCountsPerAmp) {
+  for (const char* const joint : kJointNames) {
+    for (const char* const key : {"torque_per_amp", "counts_per_amp"}) {
+      const Override zero{std::string("axes/") + joint + "/" + key, "0", "test"};
+      EXPECT_THROW(readWith(readVirtualRaven, "virtual_raven", {zero}), ConfigException) << zero.key;
+    }
+  }
+}
+
 /** Of each joint, on both sides of its range. */
 TEST(ReadArms, TheHomePoseIsWithinTheLimitsOfEveryJoint) {
   const ArmGeometry packaged = readWith(readArms, "arms", {}).geometry;

@@ -43,7 +43,6 @@ class HapticParts : public ::testing::Test {
     HapticRecord record;
     while (shared.haptic_records.tryPop(&record)) {
     }
-    ForcePacket packet;
     while (shared.force_packets.tryPop(&packet)) {
     }
     return record.haptic;
@@ -65,6 +64,7 @@ class HapticParts : public ::testing::Test {
   ModelState model;
   RobotState robot;
   GuidePath path;
+  ForcePacket packet;  ///< the newest
   std::int64_t now_ns{1'000'000'000};
 };
 
@@ -78,6 +78,16 @@ TEST_F(HapticParts, TheForceGoesThroughTheAxesOfEachArm) {
   EXPECT_NEAR((toEigen(state.force_I[0]) - Vector3(0.0, 0.0, -1.5)).norm(), 0.0, kRounding);
   EXPECT_NEAR((toEigen(state.force_B[1]) - Vector3(0.0, 0.9, 1.2)).norm(), 0.0, kRounding);
   EXPECT_NEAR((toEigen(state.force_I[1]) - Vector3(0.9, -1.2, 0.0)).norm(), 0.0, kRounding);
+}
+
+/** A console that starts now takes PEDAL_UP for a robot that is ready. */
+TEST_F(HapticParts, TheConsoleIsNotToldTheLastRunLevelOfARobotThatIsGone) {
+  robot.runlevel = RunLevel::kPedalUp;
+  tick();
+  EXPECT_EQ(packet.runlevel, static_cast<std::uint8_t>(RunLevel::kPedalUp));
+  robot.connected = 0;
+  tick();
+  EXPECT_EQ(packet.runlevel, static_cast<std::uint8_t>(RunLevel::kEStop));
 }
 
 TEST_F(HapticParts, AFaultOfTheConsoleScalesAndShiftsTheForceOfItsArm) {
@@ -192,6 +202,25 @@ TEST_F(HapticParts, PedalDownIsTheMiddleOfTheWorkspace) {
   state = tick();
   EXPECT_EQ(state.hand_I[0], Vec3{});
   EXPECT_EQ(state.edge_B[0], Vec3{});
+}
+
+TEST_F(HapticParts, TheEdgePushesEitherHandBackFromEachFaceAndNotTheOtherHand) {
+  for (const Arm arm : kArms) {
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      for (const double sign : {-1.0, 1.0}) {
+        loop.reset();
+        model.master_I = {};
+        tick();
+        at(model.master_I, arm)[axis] = sign * 0.1 * 0.5 * config.haptics.edge.size_I[axis];  // at scale 0.1
+        const HapticState state = ticks(200);
+        Vec3 expected{};
+        expected[axis] = -1.5 * sign;
+        EXPECT_NEAR((toEigen(at(state.force_I, arm)) - toEigen(expected)).norm(), 0.0, 1e-9)
+            << name(arm) << ", axis " << axis << ", " << sign;
+        EXPECT_EQ(at(state.force_I, otherArm(arm)), Vec3{}) << name(arm);
+      }
+    }
+  }
 }
 
 TEST_F(HapticParts, AHandThatTakesThePedalFromAClientIsInTheMiddle) {

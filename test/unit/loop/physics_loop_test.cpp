@@ -670,6 +670,16 @@ TEST_F(LoopBench, WhatAFaultHeldBackOfAVirtualRobotsMotionIsNotForARealOne) {
   }
 }
 
+TEST_F(LoopBench, ACommandThatAFaultHoldsBackIsNotUsedYet) {
+  press(3);
+  EXPECT_EQ(loop->newestCommand(), sequence);
+  fault(byHand(FaultHost::kMaster, FaultVariable::kPacket, FaultKind::kDelay, 40));
+  press(20);
+  EXPECT_LT(loop->newestCommand(), sequence - 10);
+  press(40);
+  EXPECT_EQ(loop->newestCommand(), sequence - 40);
+}
+
 TEST_F(LoopBench, NorIsWhatAFaultHeldBackOfItsOwnPackets) {
   MasterCommand move = pressed();
   move.dp_I[0] = {50e-6, 0.0, 0.0};
@@ -847,6 +857,21 @@ TEST_F(LoopBench, TwoStopsAreClearedOneByOneInEitherOrder) {
     EXPECT_EQ(mode(), Mode::kPedalUp);
     obeys = true;
   }
+}
+
+TEST_F(LoopBench, AStopOfTheRobotThatCameBehindOursIsNotClearedWithOurs) {
+  begin();
+  ASSERT_EQ(ask(RequestKind::kEmergencyStop), PlanningAnswer::kAccepted);
+  obeys = false;
+  robot.runlevel = RunLevel::kEStop;
+  rest(2);
+  EXPECT_EQ(ask(RequestKind::kClearStop), PlanningAnswer::kAccepted);
+  EXPECT_EQ(mode(), Mode::kStopped) << "in this tick, too";
+  rest(2);
+  EXPECT_EQ(mode(), Mode::kStopped);
+  robot.runlevel = RunLevel::kPedalUp;
+  rest(2);
+  EXPECT_EQ(mode(), Mode::kPedalUp);
 }
 
 TEST_F(LoopBench, AStopWhileTheRobotHomesLeavesNothingBehind) {

@@ -28,12 +28,14 @@ DetectorConfig alert(Mitigation mitigate) {
 
 class Guarded : public ::testing::TestWithParam<Arm> {
  protected:
-  /** One cycle, a different calm command for each arm. @param[in] thrown on the tested arm's shoulder, unless 0. */
-  bool check(CommandGuard* guard, std::int32_t thrown = 0) {
+  /** One cycle, a different calm command for each arm. @param[in] thrown on the tested arm's shoulder, unless 0.
+   *  @param[in] others on the other arm's. */
+  bool check(CommandGuard* guard, std::int32_t thrown = 0, std::int32_t others = 0) {
     PerArm<CommandGuard::ArmCommand> commands;
     for (const Arm arm : kArms) {
       at(dac_, arm) = calm(arm);
       if (thrown != 0 && arm == GetParam()) at(dac_, arm)[kShoulder] = thrown;
+      if (others != 0 && arm != GetParam()) at(dac_, arm)[kShoulder] = others;
       UsbOut out;
       out.pins = 0x1F;
       for (std::size_t j = 0; j < kJointCount; ++j)
@@ -79,6 +81,21 @@ TEST_P(Guarded, HoldWritesTheArmsOwnLastSafeCommandAndLeavesTheOtherArm) {
     EXPECT_EQ(guard.report().verdict.arm, GetParam());
     for (const Arm arm : kArms)
       expectWritten(arm, calm(arm));
+  }
+}
+
+/** One of them is nearer to an alarm; the other one is as unsafe. */
+TEST_P(Guarded, HoldWritesTheLastSafeCommandsOfBothArmsWhenBothAreThrown) {
+  for (const std::int32_t others : {-kThrow, kThrow}) {
+    CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, alert(Mitigation::kHold));
+    for (int k = 0; k < 10; ++k)
+      check(&guard);
+    check(&guard, kThrow, others);
+    ASSERT_TRUE(guard.report().verdict.alarm);
+    for (const Arm arm : kArms)
+      expectWritten(arm, calm(arm));
+    EXPECT_EQ(guard.report().alarms, 1U);
+    EXPECT_EQ(guard.report().cycles_acted, 1U);
   }
 }
 
