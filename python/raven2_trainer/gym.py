@@ -82,6 +82,8 @@ class Raven(gymnasium.Env):
         self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
         self._make = {"exercise": exercise, "robot": robot or ("none" if self._hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]
+        if max_steps is None and exercise is None:
+            raise ValueError("max_steps is missing: without an exercise there is no time limit")
         if max_steps is None:
             max_steps = round(1000 * _exercise_file(exercise, config)["time_limit"]) // TICKS + JUDGED
         self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures

@@ -1,6 +1,7 @@
 """Simulations: console, daemon and virtual Raven in one process, stepped by a program."""
 
 import concurrent.futures
+import contextlib
 import json
 import os
 import pathlib
@@ -123,8 +124,9 @@ class VectorSimulation:
         return values if name in self.LISTS else np.stack(values)
 
     def close(self):
-        for simulation in self.simulations:
-            simulation.close()
+        with contextlib.ExitStack() as all_of_them:  # closes the others, too, if one fails
+            for simulation in reversed(self.simulations):
+                all_of_them.callback(simulation.close)
 
     def __enter__(self):
         return self

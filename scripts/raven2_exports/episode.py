@@ -18,6 +18,7 @@ JOINTS = ("shoulder", "elbow", "insertion", "roll", "wrist", "grasper1", "graspe
 AXES = ("x", "y", "z")
 W_OF_I = np.array([1.0, -1.0, -1.0])  # ITP axes have y right and z down
 GRASP = (5, 6)  # of the seven joints; their sum is the opening of the jaws
+CLIENTS_PEDAL = 2  # of a CRTK client: its motion comes from no hand
 PHASES = ("nominal", "failure", "recovery")
 SPLITS = PHASES
 
@@ -57,6 +58,8 @@ class Episode:
         begun = int(np.argmax(np.append(log.ticks["model"]["session_tick"] >= 0, True)))
         if begun == len(log.ticks):
             raise raven2_session.SessionError(f"{directory}: the pedal was never pressed, there is nothing to export")
+        if "faults" not in session.metrics:
+            raise raven2_session.SessionError(f"{directory}: without metrics.json its hazards are unknown; recover_session writes it")
         bases = scene.arm_bases(facts.Configuration(session).file("urdf", "raven2.urdf"))
         if bases is None:
             raise raven2_session.SessionError(f"{directory}: no readable copy of raven2.urdf, so the places of the arms are unknown")
@@ -77,10 +80,10 @@ class Episode:
                         "hazards": sorted({fault["name"] for fault in self._faults}), "split": self.split, "success": self._is_done()}
 
     def _frame_ticks(self):
-        """Index of the newest tick of each frame."""
+        """Index of the newest tick of each frame; before the first tick of the log, that one."""
         count = ((int(self._times[-1]) + 1) * self.fps + 500) // 1000  # as the renderer counts them (frame_timeline.cpp)
         wanted = np.floor(np.arange(count) * 1000.0 / self.fps + 1e-6)
-        return np.searchsorted(self._times, wanted, side="right") - 1
+        return np.maximum(np.searchsorted(self._times, wanted, side="right") - 1, 0)
 
     def _task(self):
         name = self._session.log.training["exercise"]
@@ -130,7 +133,7 @@ class Episode:
 
     def _turns(self, first, last):
         """(frames, 2, 3) rotation vectors in W of the commands after tick `first` up to tick `last`."""
-        commands = self._session.log.commands
+        commands = of_hands(self._session.log.commands)
         turns = np.zeros((self.length, 2, 3))
         at, end = np.searchsorted(commands["tick"], first, side="right"), np.searchsorted(commands["tick"], last, side="right")
         q = commands["command"]["dq_I"]
@@ -159,13 +162,14 @@ class Episode:
                 "truth.cue": np.linalg.norm(self._force, axis=2), "truth.response": response}
 
     def _response(self, fault, end):
-        """(session tick, response) to a fault, or None: the score's, else the first pedal-up."""
+        """(session tick, response) to a fault, or None: the score's; where it does not have the fault, the first pedal-up."""
         score, _ = facts.load_score(self.directory)
-        for judged in score.get("hazards", []):
+        for judged in reversed(score.get("hazards", [])):  # the newest: one before may have begun within the same second
             injected, reaction = judged.get("injection_tick"), judged.get("reaction") or {}
             is_it = judged.get("scenario") == fault["name"] and injected is not None
-            if is_it and fault["first_tick"] - 1000 <= injected <= fault["last_tick"] and reaction.get("after_ms") is not None:
-                return injected + reaction["after_ms"], reaction["response"]
+            if is_it and fault["first_tick"] - 1000 <= injected <= fault["last_tick"]:
+                has_one = reaction.get("after_ms") is not None
+                return (injected + reaction["after_ms"], reaction["response"]) if has_one else None
         inside = (self._times >= fault["first_tick"]) & (self._times <= end)
         released = np.flatnonzero(inside & (self._ticks["model"]["pedal"] == 0))
         return (int(self._times[released[0]]), "pedal_up") if len(released) else None
@@ -183,6 +187,12 @@ class Episode:
     def _is_done(self):
         """Whether the last attempt of an exercise was done."""
         return bool(self._attempts()) and self._attempts()[-1]["status"] == "done"
+
+
+def of_hands(commands):
+    """A log's commands without those of CRTK clients."""
+    has_pedal = "pedal" in commands["command"].dtype.names
+    return commands[commands["command"]["pedal"] != CLIENTS_PEDAL] if has_pedal else commands
 
 
 def _rotation_vector(quaternions):

@@ -4,6 +4,7 @@ gold arm. And its labels: `first last NAME`, frames from 1, from the exercise's 
 
 import numpy as np
 
+from raven2_exports import episode
 from raven2_report import scene
 
 RATE = 30.0  # [Hz]
@@ -42,10 +43,11 @@ def master_turns(log, ticks):
     result = np.tile(np.eye(3), (len(ticks), 2, 1, 1))
     if "command" not in (log.commands.dtype.names or ()) or "dq_I" not in log.commands["command"].dtype.names:
         return result
+    commands = episode.of_hands(log.commands)
     for arm in (0, 1):
         R, at = np.eye(3), 0
-        for i, end in enumerate(np.searchsorted(log.commands["tick"], ticks, side="right")):
-            for q in log.commands["command"]["dq_I"][at:end, arm]:
+        for i, end in enumerate(np.searchsorted(commands["tick"], ticks, side="right")):
+            for q in commands["command"]["dq_I"][at:end, arm]:
                 if q[3] != 1.0:
                     R = scene.from_quaternion(q) @ R
             at = end
@@ -82,12 +84,12 @@ def kinematics(log, series, bases):
     return np.concatenate(blocks, axis=1)
 
 
-def labels(steps):
-    """[(first, last, name)] in frames from 1; a step that is shorter than a frame still has one."""
+def labels(steps, count):
+    """[(first, last, name)] in frames from 1 to `count`; a step that is shorter than a frame still has one."""
     found = []
     for step in steps:
-        first = int(np.ceil(step["from_s"] * RATE - 1e-9)) + 1
-        last = max(int(np.ceil(step["to_s"] * RATE - 1e-9)), first)
+        first = min(int(np.ceil(step["from_s"] * RATE - 1e-9)) + 1, count)
+        last = min(max(int(np.ceil(step["to_s"] * RATE - 1e-9)), first), count)
         found.append((first, last, step["name"].replace(" ", "_")))
     return found
 
@@ -97,5 +99,5 @@ def write(facts, bases, path, labels_path):
     table = kinematics(facts.log, facts.series, bases)
     np.savetxt(path, table, fmt="%.9f", delimiter=" ")
     with open(labels_path, "w", encoding="utf-8") as file:
-        file.writelines(f"{first} {last} {name}\n" for first, last, name in labels(facts.steps))
+        file.writelines(f"{first} {last} {name}\n" for first, last, name in labels(facts.steps, len(table)))
     return len(table)

@@ -302,7 +302,7 @@ const LockstepView& LockstepStack::view() const noexcept {
 }
 
 std::uint32_t LockstepStack::arrived() const noexcept {
-  return impl_->ingest.newest();
+  return impl_->physics.newestCommand();
 }
 
 const RobotState& LockstepStack::robot() const noexcept {

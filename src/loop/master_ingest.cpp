@@ -53,7 +53,6 @@ Reject MasterIngest::judge(const wire::Arrival& arrival) noexcept {
   const Reject reason = gate_.judge(arrival, &packet);
   if (reason != Reject::kNone) return reason;
   if (!shared_.master_commands.tryPush(wire::toCommand(packet))) return Reject::kQueueFull;
-  newest_ = packet.sequence;
   return Reject::kNone;
 }
 

@@ -97,6 +97,7 @@ void MasterIntake::consume(const MasterCommand& command) noexcept {
   faults_.master.beginPacket(command.pedal != 0);
   if (!faults_.master.isArmed() && faults_.master_stream.isEmpty()) {
     faults_.master_stream.pass(command);
+    newest_ = command.sequence;
     return take(command);
   }
   faults_.master_stream.offer(command, &faults_.master);
@@ -107,6 +108,7 @@ void MasterIntake::consume(const MasterCommand& command) noexcept {
 void MasterIntake::takeHeld() noexcept {
   MasterCommand command;
   while (faults_.master_stream.take(&command, faults_.master)) {
+    newest_ = command.sequence;  // a fault may change it
     faults::applyToCommand(&faults_.master, &command);
     for (Quat& dq : command.dq_I)
       dq = unitOrNone(dq);

@@ -14,6 +14,8 @@ class MasterIntake {
 
   /** Once a tick. @param[in] may_teleoperate a pedal-down leads to teleoperation, now or once the robot is ready. */
   void tick(bool may_teleoperate) noexcept;
+  /** Number of the newest command that was taken, behind the faults; 0 before the first. */
+  std::uint32_t newest() const noexcept { return newest_; }
 
  private:
   void begin() noexcept;
@@ -29,6 +31,7 @@ class MasterIntake {
   Stage& stage_;
   Tick silent_ticks_{0};  ///< since the last command
   Tick silence_limit_;
+  std::uint32_t newest_{0};
 };
 
 }  // namespace raven2_trainer::loop

@@ -94,6 +94,10 @@ void PhysicsLoop::setSignals(const FaultSignals& signals) noexcept {
   parts_->stage.state.faults.signals = signals;
 }
 
+std::uint32_t PhysicsLoop::newestCommand() const noexcept {
+  return parts_->intake.newest();
+}
+
 const std::vector<std::string>& PhysicsLoop::bodyNames() const noexcept {
   return parts_->stage.arms.world().bodyNames();
 }

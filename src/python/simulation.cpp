@@ -240,7 +240,7 @@ void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const
 }
 
 void Simulation::tick() {
-  asked_rows_ = 0;
+  asked_ = {};
   {
     const ArenaScope scope(&arena_);
     stack_->tick();
@@ -370,7 +370,7 @@ Snapshot Simulation::save() {
   const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
   if (recording_) throw std::runtime_error("a recorded simulation cannot go back: save() needs one without output");
-  return {{}, number_, jaws_, under_way_, arena_.copy()};
+  return {{}, number_, jaws_, under_way_, asked_, arena_.copy()};
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
@@ -379,7 +379,7 @@ void Simulation::restore(const Snapshot& snapshot) {
   if (snapshot.owner != number_) throw std::invalid_argument("the snapshot is another simulation's");
   jaws_ = snapshot.jaws;
   under_way_ = snapshot.under_way;
-  asked_rows_ = 0;
+  asked_ = snapshot.asked;
   arena_.restore(snapshot.memory);
 }
 
@@ -393,15 +393,15 @@ void Simulation::inject(const std::string& hazard) {
   demandRobotFor(config_, hazard, has_robot_);
   const std::size_t rows = config_.scenarios[request.fault_id - 1].faults.size();
   const FaultPlan armed = stack_->shared()->faults.load();
-  const auto others =
-      static_cast<std::size_t>(std::count_if(armed.faults.begin(), armed.faults.begin() + armed.count,
-                                             [&](const Fault& row) { return row.id != request.fault_id; }));
-  if (others + asked_rows_ + rows > kMaxFaults)
-    throw std::runtime_error("inject: " + std::to_string(others + asked_rows_) + " of " + std::to_string(kMaxFaults) +
+  const auto end = armed.faults.begin() + (asked_.all_cleared ? 0 : armed.count);
+  const auto others = static_cast<std::size_t>(
+      std::count_if(armed.faults.begin(), end, [&](const Fault& row) { return row.id != request.fault_id; }));
+  if (others + asked_.rows + rows > kMaxFaults)
+    throw std::runtime_error("inject: " + std::to_string(others + asked_.rows) + " of " + std::to_string(kMaxFaults) +
                              " rows of hazards are armed, also of those that have ended, and " + hazard + " has " +
                              std::to_string(rows) + ": call clear_hazards() first");
-  asked_rows_ += rows;
   ask(request);
+  asked_.rows += rows;
 }
 
 void Simulation::ask(const FaultRequest& request) {
@@ -415,7 +415,7 @@ void Simulation::clearHazards() {
   FaultRequest request;
   request.order = FaultOrder::kClear;
   ask(request);
-  asked_rows_ = 0;
+  asked_ = {0, true};
 }
 
 void Simulation::close() {

@@ -51,11 +51,18 @@ struct StepCommand {
   bool is_none{false};  ///< the tools rest
 };
 
+/** Requests about hazards that the next tick serves. */
+struct AskedHazards {
+  std::size_t rows{0};      ///< of those to begin
+  bool all_cleared{false};  ///< before that
+};
+
 /** A copy of all of a simulation's state. It fits that simulation alone. */
 struct Snapshot : Constructed {
   std::uint64_t owner{};
   PerArm<std::optional<double>> jaws{};
   UnderWay under_way;
+  AskedHazards asked;
   std::vector<std::byte> memory;
 };
 
@@ -141,8 +148,8 @@ class Simulation : public Constructed {
   std::unique_ptr<render::PictureLine> pictures_;
   PerArm<std::optional<double>> jaws_{};  // [rad] commanded openings
   UnderWay under_way_;
-  std::size_t asked_rows_{0};  // of hazards, since the last tick
-  std::string end_trouble_;    // why the end of the recorded session was not written
+  AskedHazards asked_;
+  std::string end_trouble_;  // why the end of the recorded session was not written
   const pid_t process_;
   const bool has_robot_;
   bool is_closed_{false};

@@ -7,7 +7,8 @@
 
 namespace raven2_trainer::python {
 
-/** Commanded motion that the daemon has not received yet, because of the link's delay. Without a link it is empty. */
+/** Commanded motion that the model has not taken yet, because of the link's delay or of a hazard that keeps packets
+ * back. Without both it is empty. */
 class UnderWay {
  public:
   /** Its motion of one arm. */

@@ -142,6 +142,16 @@ def test_an_angular_velocity_is_what_turns_one_attitude_into_the_other():
     assert jigsaws.angular_velocity(np.eye(3)[None], np.eye(3)[None], np.array([0.01]))[0].tolist() == [0.0, 0.0, 0.0]
 
 
+def test_a_hand_does_not_turn_with_the_motion_of_a_crtk_client():
+    commands = np.zeros(4, [("tick", int), ("command", [("pedal", np.uint8), ("dq_I", float, (2, 4))])])
+    commands["tick"], commands["command"]["pedal"] = np.arange(4), [1, 2, 2, 1]
+    commands["command"]["dq_I"] = [math.sin(0.05), 0, 0, math.cos(0.05)]  # 0.1 rad about x
+    turns = jigsaws.master_turns(types.SimpleNamespace(commands=commands), np.array([0, 2, 3]))
+    for arm in (0, 1):
+        for frame, angle in enumerate((0.1, 0.1, 0.2)):
+            assert turns[frame, arm] == pytest.approx(turn([math.sin(angle / 2), 0, 0, math.cos(angle / 2)]))
+
+
 def test_next_to_a_gap_of_the_log_rows_are_ticks_with_their_true_velocity():
     """Records that were lost leave a gap. Its frames are the nearer of its ends, and a velocity is over the true time."""
     ms = np.append(np.arange(38), np.arange(165, 300))
@@ -165,7 +175,13 @@ def test_labels_are_the_exercise_s_steps_in_frames_from_one(tmp_path):
     from raven2_report.facts import Facts
 
     session = raven2_session.Session(folder)
-    assert jigsaws.labels(Facts(session, Series(session)).steps) == [(4, 15, "lift"), (16, 57, "not_finished")]
+    assert jigsaws.labels(Facts(session, Series(session)).steps, 60) == [(4, 15, "lift"), (16, 57, "not_finished")]
+
+
+def test_no_label_is_of_a_frame_behind_the_last():
+    """A session of 350 ms has eleven frames. Its second step begins behind the last one."""
+    steps = [{"name": "lift", "from_s": 0.1, "to_s": 0.34}, {"name": "not finished", "from_s": 0.34, "to_s": 0.351}]
+    assert jigsaws.labels(steps, 11) == [(4, 11, "lift"), (11, 11, "not_finished")]
 
 
 # ---- ROS bag ----------------------------------------------------------------------------------------------------
@@ -335,6 +351,25 @@ def test_faults_of_several_rows_come_in_order_of_time(tmp_path):
     assert len({row for row, *_ in faults}) == 3
     assert sorted(fault[:3] for fault in faults) == sorted(wanted)
     assert [t for *_, t in faults] == sorted(t for *_, t in faults) and [f[2] for f in faults] == sorted(f[2] for f in faults)
+
+
+@built
+def test_a_fault_that_ended_before_the_first_pedal_down_has_its_end_in_the_bag(tmp_path):
+    rosbag = pytest.importorskip("rosbag", reason="NOT CHECKED: python3-rosbag is not installed")
+    sys.path.insert(0, str(PROGRAMS.parent / "python3/dist-packages"))
+    import raven2_trainer
+
+    with raven2_trainer.Simulation(output=tmp_path / "session") as simulation:
+        simulation.step({"pedal": False}, ticks=100)
+        simulation.inject("video_loss")
+        simulation.step({"pedal": False}, ticks=50)
+        simulation.clear_hazards()
+        simulation.start()
+        simulation.step(ticks=100)
+    export(tmp_path / "session", "rosbag")
+    with rosbag.Bag(str(tmp_path / "session/session.bag")) as found:
+        faults = [(m.scenario, m.acts, m.tick) for _, m, _ in found.read_messages("/faults")]
+    assert faults == [("video_loss", True, -1), ("video_loss", False, -1)]
 
 
 def daemon_types():

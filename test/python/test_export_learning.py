@@ -118,6 +118,25 @@ def test_turns_are_of_the_commands_behind_the_first_tick_up_to_the_last():
     assert turns[:, 0, 0] == pytest.approx([0.05, 0.04]) and turns[:, 1] == pytest.approx(turns[:, 0])
 
 
+def test_the_motion_of_a_crtk_client_is_no_action_of_the_surgeon():
+    commands = np.zeros(10, [("tick", int), ("command", [("pedal", np.uint8), ("dq_I", float, (2, 4))])])
+    commands["tick"], commands["command"]["pedal"] = np.arange(10), 5 * [1] + 5 * [2]
+    commands["command"]["dq_I"] = [np.sin(0.005), 0, 0, np.cos(0.005)]
+    made = episode_with([])
+    made.length, made._session.log = 2, types.SimpleNamespace(commands=commands)
+    turns = made._turns(np.array([0, 5]), np.array([5, 9]))
+    assert turns[:, 0, 0] == pytest.approx([0.04, 0.0]) and turns[:, 1] == pytest.approx(turns[:, 0])
+
+
+def test_without_metrics_the_hazards_of_a_session_are_unknown(sessions, tmp_path):
+    """A session that was killed lacks them, and its hazards are unknown."""
+    for name in os.listdir(sessions["failure"]):
+        if name != "metrics.json":
+            (tmp_path / name).symlink_to(sessions["failure"] / name)
+    with pytest.raises(raven2_session.SessionError, match="recover_session"):
+        episode.Episode(tmp_path, FPS)
+
+
 def test_numbers_that_are_none_make_no_part(monkeypatch, tmp_path):
     made = types.SimpleNamespace(columns={"action": np.array([[0.0], [np.nan]])}, length=2, task="", objects=[], summary={})
     monkeypatch.setattr(dataset.episode, "Episode", lambda *_: made)
@@ -143,13 +162,36 @@ def test_work_went_on_only_after_each_of_the_hazards():
     assert [episode_with([over], [{"status": status}])._split() for status in ("done", "failed")] == ["recovery", "failure"]
 
 
+@pytest.mark.parametrize("statuses, split", [(("failed", "done"), "recovery"), (("done", "failed"), "failure"), (("done", "running"), "failure")])
+def test_of_several_attempts_the_last_one_counts(statuses, split):
+    made = episode_with([{"end_tick": 5}], [{"status": status} for status in statuses])
+    assert (made._is_done(), made._split()) == (split == "recovery", split)
+
+
+def test_a_kept_part_is_of_the_same_options_and_the_same_score(tmp_path):
+    options = [(30, (), (64, 64)), (15, (), (64, 64)), (30, ("top",), (64, 64)), (30, (), (64, 128))]
+    key = lambda fps, cameras, size: dataset._key(tmp_path, fps, dataset.Pictures(cameras, size, ""))  # noqa: E731
+    keys = [key(*each) for each in options]
+    assert [key(*each) for each in options] == keys
+    (tmp_path / "score.json").write_text("{}")
+    assert len({*keys, key(*options[0])}) == 5
+
+
 def test_each_of_two_hazards_of_a_kind_has_its_own_response(monkeypatch):
     judged = [{"scenario": "sudden_jump", "injection_tick": tick, "reaction": {"after_ms": after, "response": "stop"}}
-              for tick, after in ((1000, 200), (9000, 300))]
+              for tick, after in ((1000, 200), (1600, 100), (9000, 300))]
     monkeypatch.setattr(episode.facts, "load_score", lambda _: ({"hazards": judged}, None))
-    for first, reaction in ((1001, 1200), (9001, 9300)):
+    for first, reaction in ((1001, 1200), (1601, 1700), (9001, 9300)):
         fault = {"name": "sudden_jump", "first_tick": first, "last_tick": first + 50}
         assert episode_with([fault])._response(fault, first + 500) == (reaction, "stop")
+
+
+def test_a_clutch_that_the_score_does_not_take_for_an_answer_is_none(monkeypatch):
+    fault = {"name": "sudden_jump", "first_tick": 100, "last_tick": 200}
+    made = episode_of_ticks(np.arange(1000), pedal=np.where(np.arange(1000) < 300, 1, 0))
+    for judged, response in (([], (300, "pedal_up")), ([{"scenario": "sudden_jump", "injection_tick": 100, "reaction": None}], None)):
+        monkeypatch.setattr(episode.facts, "load_score", lambda _, hazards=judged: ({"hazards": hazards}, None))
+        assert made._response(fault, 900) == response
 
 
 def episode_of_ticks(times, faults=(), pedal=1, linked=1, fresh=1):
@@ -207,6 +249,13 @@ def test_frames_in_a_gap_of_the_log_are_the_newest_tick_before_it():
     times = np.append(np.arange(35), np.arange(78, 100))
     made = episode_of_ticks(times)
     assert times[made._frames].tolist() == [0, 10, 20, 30, 34, 34, 34, 34, 80, 90]
+
+
+def test_frames_before_the_first_tick_of_the_log_are_that_tick():
+    """The pedal-down itself may be in a gap."""
+    times = np.arange(35, 100)
+    made = episode_of_ticks(times)
+    assert times[made._frames].tolist() == [35, 35, 35, 35, 40, 50, 60, 70, 80, 90]
 
 
 def test_a_turn_is_the_same_by_the_quaternion_of_the_other_sign():

@@ -62,6 +62,11 @@ for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3))):
 # As long as surgeons have for the exercise; the judge's limit comes first.
 for name, seconds in (("RingTransfer", 300), ("PegTransfer", 300)):
     assert seconds < 0.02 * gymnasium.make(f"raven2_trainer/{name}-v0").unwrapped._max_steps < seconds + 2
+try:
+    gymnasium.make("raven2_trainer/Reach-v0", max_steps=None)
+    raise AssertionError("no time limit")
+except ValueError as error:
+    assert "max_steps is missing" in str(error)
 assert gymnasium.make("raven2_trainer/PickRing-v0", hazard="none").unwrapped.simulation.state.runlevel == "none"
 
 # each seed has its variation of friction and link, and always the same episode

@@ -400,6 +400,20 @@ def test_many_at_once_raise_what_one_would_and_none_is_stepped():
     assert [simulation.state.tick for simulation in many.simulations] == [0, 0, 0]
 
 
+def test_of_many_that_are_closed_one_that_fails_leaves_no_other_open(monkeypatch, tmp_path):
+    many = raven2_trainer.VectorSimulation(3, robot="none", output=tmp_path / "all")
+    many.step(ticks=5)
+
+    def fail():
+        raise raven2_trainer.SessionError("the disk is full")
+
+    with monkeypatch.context() as broken, pytest.raises(raven2_trainer.SessionError, match="the disk is full"):
+        broken.setattr(many.simulations[0], "close", fail)
+        many.close()
+    assert [simulation.closed for simulation in many.simulations] == [False, True, True]
+    many.close()
+
+
 def alone(program, folder, *arguments):
     """The end of a program in another Python: it could end this one."""
     return subprocess.run([sys.executable, "-c", "import os, signal, sys, threading, time\nimport numpy as np\nimport raven2_trainer\n" + program, *arguments],
@@ -551,6 +565,41 @@ def test_hazards_that_do_not_fit_are_refused_and_not_forgotten(ready):
     with pytest.raises(RuntimeError, match="step first|clear_hazards"):
         for _ in range(100):
             ready.inject("encoder_dead")
+
+
+EIGHT_ROWS = ("sudden_jump", "attack_dac_add", "packet_delay", "grasper_runaway", "unavailable_recoverable", "fk_pos", "fk_vel")  # kMaxFaults
+
+
+def test_after_all_hazards_are_cleared_another_one_fits_at_once(ready):
+    for name in EIGHT_ROWS:
+        ready.inject(name)
+    ready.step(ticks=2)
+    ready.clear_hazards()
+    ready.inject("encoder_dead")
+    ready.step(ticks=20)
+    assert ready.state.hazard
+
+
+def test_a_restored_simulation_knows_what_hazards_it_was_asked_for(ready):
+    for name in EIGHT_ROWS:
+        ready.inject(name)
+    ready.restore(ready.save())
+    with pytest.raises(RuntimeError, match="clear_hazards"):
+        ready.inject("encoder_dead")
+
+
+def test_jaws_reach_their_goal_while_a_hazard_keeps_the_packets_back():
+    """master_sluggish: each packet comes 200 ms late. A command that is under way is not sent again."""
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        simulation.inject("master_sluggish")
+        simulation.step(ticks=500)
+        openings = []
+        for call in range(200):
+            simulation.step({"gold": {"jaw": 0.6}, "green": {"jaw": 0.9}} if call == 0 else None, ticks=5)
+            openings.append(simulation.state.desired_joints[:, 5:].sum(axis=1))
+        assert openings[-1] == pytest.approx([0.6, 0.9], abs=0.01)
+        assert (np.min(openings, axis=0) > np.array([0.6, 0.9]) - 0.01).all(), "wide open at first, and never closed farther"
 
 
 def test_a_link_is_that_of_the_own_configuration(tmp_path):
@@ -871,7 +920,7 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
             other.run(tmp_path / "out", seed=99)
     assert [path.name for path in tmp_path.iterdir()] == ["out"], "nothing is left next to it"
     elsewhere = raven2_trainer.Campaign({"name": "../elsewhere", "cpu_limit": np.int64(3)})
-    with pytest.raises(RuntimeError, match="title"):
+    with pytest.raises(RuntimeError, match="name holds a /"):
         elsewhere.run(tmp_path / "none")
     assert not list(pathlib.Path(tempfile.gettempdir()).glob("elsewhere*"))
     with pytest.raises(RuntimeError, match="no campaign|nowhere"):

@@ -67,7 +67,7 @@ class LockstepStack {
 
   /** The daemon's knowledge. */
   const LockstepView& view() const noexcept;
-  /** Number of the console's newest ITP packet that has arrived; 0 before the first. */
+  /** Number of the console's newest ITP packet that has come through the link and the faults; 0 before the first. */
   std::uint32_t arrived() const noexcept;
   /** The truth: the robot's program, its plant, its PLC. */
   const RobotState& robot() const noexcept;

@@ -41,8 +41,6 @@ class MasterIngest {
   bool isPinned() const noexcept { return gate_.isPinned(); }
   std::uint64_t source() const noexcept { return gate_.source(); }  ///< of the pinned master
   const LinkCounts& counts() const noexcept { return counts_; }
-  /** Number of the newest accepted ITP packet; 0 before the first. */
-  std::uint32_t newest() const noexcept { return newest_; }
   /** Counts of pedal packets. */
   const LinkCounts& pedalCounts() const noexcept { return pedal_counts_; }
 
@@ -64,7 +62,6 @@ class MasterIngest {
   SharedState& shared_;
   ModelState model_{};  ///< as last read
   LinkCounts counts_{}, pedal_counts_{};
-  std::uint32_t newest_{0};
   wire::StreamWatch watch_;
 };
 

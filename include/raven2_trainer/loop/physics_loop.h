@@ -51,6 +51,10 @@ class PhysicsLoop {
   /** Inputs of fault triggers, from the next tick on. Call it in the thread of tick(). */
   void setSignals(const FaultSignals& signals) noexcept;
 
+  /** Number of the masters' newest packet that was used, behind the faults on their stream; 0 before the first. In the
+   *  thread of tick(). */
+  std::uint32_t newestCommand() const noexcept;
+
   /** Names of bodies by their numbers in contacts. */
   const std::vector<std::string>& bodyNames() const noexcept;
 

@@ -119,7 +119,8 @@ std::vector<BagFault> faultChanges(const training::SessionMetrics& metrics) {
   std::vector<BagFault> changes;
   for (const training::Injection& injection : metrics.injections) {
     changes.push_back(faultChange(injection, true));
-    if (injection.clear_tick >= 0) changes.push_back(faultChange(injection, false));
+    const bool has_ended = injection.clear_tick >= 0 || injection.clear_cycle != 0;  // also before the first pedal-down
+    if (has_ended) changes.push_back(faultChange(injection, false));
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const BagFault& a, const BagFault& b) { return a.tick < b.tick; });

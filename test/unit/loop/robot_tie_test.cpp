@@ -195,6 +195,20 @@ TEST_F(RobotTieTest, ARobotThatNeverReportsASequenceIsNotCalledDeaf) {
   EXPECT_FALSE(tie.isUnheard());
 }
 
+TEST_F(RobotTieTest, ARobotThatStartsAgainMayBeOneThatReportsNoSequence) {
+  engage();
+  sent.cycle = 0;
+  sent.last_sequence = 0;
+  sent.runlevel = RunLevel::kPedalUp;
+  send(5);
+  tick(5);
+  ASSERT_TRUE(tie.isThere());
+  tie.link(true);
+  send(6, 5000);
+  tick(6);
+  EXPECT_FALSE(tie.isUnheard()) << "only the robot before it reported one";
+}
+
 TEST_F(RobotTieTest, RemembersWhetherItWasThereInTheTickBefore) {
   tick(0);
   EXPECT_FALSE(tie.wasThere());
