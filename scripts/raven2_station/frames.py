@@ -14,13 +14,11 @@ class Frames:
     DEEPEST = 32
 
     def __init__(self):
-        self._links = {}
+        self._links, self._stamps = {}, {}
 
-    def put(self, child, parent, translation, rotation):
+    def put(self, child, parent, translation, rotation, stamp=None):
         self._links[child] = (parent, translation, rotation)
-
-    def clear(self):
-        self._links.clear()
+        self._stamps[child] = stamp
 
     def origin(self, frame, root="world"):
         """[m] of the frame's origin in `root`; None while a link of the chain is missing."""
@@ -36,8 +34,10 @@ class Frames:
         return None
 
     def apart(self, arm):
-        """[m] between the tips of model and robot (the pivot of the jaws); None without both. @param arm: L or R."""
-        model, robot = self.origin(f"model/grasper1_{arm}"), self.origin(f"robot/grasper1_{arm}")
-        if model is None or robot is None:
+        """[m] between the tips of model and robot (the pivot of the jaws); None without both of one moment: the robot may be gone.
+        @param arm: L or R."""
+        frames = [f"{of}/grasper1_{arm}" for of in ("model", "robot")]
+        model, robot = map(self.origin, frames)
+        if model is None or robot is None or self._stamps[frames[0]] != self._stamps[frames[1]]:
             return None
         return sum((m - r) ** 2 for m, r in zip(model, robot)) ** 0.5

@@ -98,6 +98,7 @@ class Hands:
         self._must_press = False   # a key that is still held does not count
         self._followed = False     # since the press, the hands have moved something
         self._lost = False         # and no longer do
+        self._counts = False       # a held pedal, as the trainer has it now
 
     def apply(self, message, now):
         """@throw ValueError for a message that is not as it should be; then nothing has changed."""
@@ -150,9 +151,10 @@ class Hands:
         return {arm: {"p": [hand.position[0] + self._dither, *hand.position[1:]], "q": hand.orientation, "jaw": hand.jaw}
                 for arm, hand in self.arms.items()}
 
-    def see(self, mode):
-        """A new mode of the trainer."""
+    def see(self, mode, counts):
+        """A new mode of the trainer, and whether it takes the pedal for down."""
         self._camera_moves = mode == "camera_moving"
+        self._counts = counts
         if not self.pedal:
             return
         self._lost = self._followed and mode not in FOLLOWING
@@ -167,7 +169,7 @@ class Hands:
         if self._heard is None or now - self._heard <= SILENT:
             return False
         was_down = self.pedal or self.camera
-        is_refused = self.pedal and not self._followed and not self._camera_moves and self._heard - self._pressed > REFUSED
+        is_refused = self.pedal and not self._counts and not self._camera_moves and self._heard - self._pressed > REFUSED
         must_press = self._must_press or self._lost or is_refused
         self.release()
         self._must_press = must_press

@@ -158,7 +158,8 @@ class Daemon:
         with self._lock:
             for each in m.transforms:
                 t, r = each.transform.translation, each.transform.rotation
-                self._frames.put(each.child_frame_id, each.header.frame_id, [t.x, t.y, t.z], [r.x, r.y, r.z, r.w])
+                self._frames.put(each.child_frame_id, each.header.frame_id, [t.x, t.y, t.z], [r.x, r.y, r.z, r.w],
+                                 each.header.stamp)
 
     def _wrench(self, m, arm):
         f = m.wrench.force

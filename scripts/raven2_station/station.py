@@ -76,6 +76,8 @@ class Station:
 
     def _station(self, client):
         state = self.supervisor.state()
+        if self.is_foreign:  # the newest choice is of a session of this station
+            state = {**state, "choice": None}
         if client.role == "trainee" and state["choice"]:
             state = {**state, "choice": {**state["choice"], "hazard": "", "when": "", "seed": 0}}
         return {**state, "drives": self.driving.number if self.driving else None, "hands_away": self.hands_away,
@@ -88,7 +90,7 @@ class Station:
     @property
     def is_foreign(self):
         """Whether a trainer answers that the station did not start, for example one of a launch file."""
-        return self.supervisor.phase == "idle" and self.is_heard and self._daemon_heard > self.supervisor.ended_at + LAST_WORDS
+        return self.is_heard and self.supervisor.phase == "idle" and self._daemon_heard > self.supervisor.ended_at + LAST_WORDS
 
     def changed(self):
         if self.supervisor.phase == "starting":
@@ -115,7 +117,7 @@ class Station:
             return
         if kind == "mode":
             message["text"] = words.mode(message["mode"])
-            self.hands.see(message["mode"])
+            self.hands.see(message["mode"], message["pedal"])
         elif kind == "exercise":
             message["text"] = words.exercise(message["status"], message["failure"])
             message["mistakes"] = [[words.mistake(name), count] for name, count in message["mistakes"].items() if count]
@@ -205,9 +207,10 @@ class Station:
         return True, "The next attempt runs.", str(directory)
 
     async def _do_inject(self, given, _):
-        name = given.get("hazard") or (self.supervisor.choice and self.supervisor.choice.hazard) or ""
-        if name == "own" and self.supervisor.choice:
-            name = (self.known.exercise(self.supervisor.choice.exercise) or {}).get("drill") or ""
+        choice = None if self.is_foreign else self.supervisor.choice
+        name = given.get("hazard") or (choice and choice.hazard) or ""
+        if name == "own" and choice:
+            name = (self.known.exercise(choice.exercise) or {}).get("drill") or ""
         if name in ("", "none"):
             raise Refused("choose a hazard first")
         if name not in self.known.names("hazards"):
@@ -292,7 +295,10 @@ class Station:
             "sessions": self.records.list(skip), "count": len(self.records.names()), "trainees": self.records.trainees()})
 
     async def _do_verdict(self, given, _):
-        return True, "", await asyncio.to_thread(self.records.verdict, given.get("session"))
+        name = given.get("session")
+        verdict = await asyncio.to_thread(self.records.verdict, name)
+        share, text = self.progress.get((name, "report"), (0.0, ""))
+        return True, "", {**verdict, "trouble": text if share is None else ""}
 
     async def _do_report(self, given, _):
         self._refuse_running(given.get("session"))
@@ -422,4 +428,5 @@ class Station:
 
     def finished(self, name, what, share, text):
         """Progress of report and video."""
+        self.progress[name, what] = share, text
         self.broadcast({"t": "progress", "session": name, "what": what, "share": share, "text": text}, only="instructor")

@@ -168,6 +168,7 @@ class Supervisor:
             except (Refused, OSError, psutil.Error) as error:
                 await self._end_all()
                 self.phase, self._choice, self._directory, self.ended_at = "idle", self._kept_choice, None, time.monotonic()
+                self._remember()
                 self._changed()
                 raise Refused(str(error)) from error
             self._kept_choice = self._kept_choice if replay else choice
@@ -426,12 +427,13 @@ class Supervisor:
             choice = content["choice"] and Choice(content["choice"], self._known)
         except (OSError, ValueError, KeyError, TypeError, psutil.Error, Refused):
             return False
-        self._choice = choice
+        self._choice = self._kept_choice = None if content.get("session") == str(self._replay) else choice
         if "simulator" not in found:
             for process in found.values():
                 self._terminate(process)
             return False
+        self._choice = choice
         self._processes, self._directory, self.phase = found, pathlib.Path(content["session"]), "running"
-        self._kept_choice = None if self.is_replay else choice
+        self.began_at = time.monotonic()  # for this station
         self._watch()
         return True

@@ -138,12 +138,12 @@ def test_the_camera_key_alone_moves_the_camera_and_never_the_arms():
     device = hands.Hands()
     device.apply({**motion(pedal=False), "camera": True}, 10.0)
     assert not device.console_pedal and device.camera_pedal(10.0), "the trainer does not move the camera yet"
-    device.see("camera_moving")
+    device.see("camera_moving", False)
     device.apply({**motion((0.01, 0, 0), pedal=False), "camera": True}, 10.02)
     assert device.console_pedal and device.arms["gold"].position[0] > 0.005
     device.apply({**motion(pedal=False), "camera": False}, 10.04)
     assert not device.console_pedal and device.camera_pedal(10.1) and not device.camera_pedal(10.3)
-    device.see("pedal_up")
+    device.see("pedal_up", False)
     device.apply({**motion(pedal=False), "camera": True}, 10.5)
     assert not device.console_pedal
 
@@ -176,12 +176,12 @@ def test_the_steps_of_each_track_are_counted(known):
     (["teleoperating", "pedal_up"], False), (["trial", "stopped"], False)])  # something else had lifted the pedal
 def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_the_pedal(modes, counts):
     device, now = hands.Hands(), 1.0
-    device.see("teleoperating")  # of another press
+    device.see("teleoperating", True)  # of another press
     for stall in range(2):
         device.apply(motion(), now)
         assert device.pedal == (counts or stall == 0)
         for mode in modes:
-            device.see(mode)
+            device.see(mode, mode != "pedal_up")
         now += 0.1
         device.watch(now)
         assert not device.pedal
@@ -193,17 +193,29 @@ def test_a_key_held_over_a_stall_counts_again_unless_something_else_had_lifted_t
 
 
 @pytest.mark.parametrize("seconds, mode, counts", [
-    (0.5, "pedal_up", True), (1.0, "pedal_up", False), (1.0, "teleoperating", True), (1.0, "camera_moving", True)])
+    (0.5, "pedal_up", True), (1.0, "pedal_up", False), (1.0, "teleoperating", True), (1.0, "camera_moving", True),
+    (1.0, "executing", True), (1.0, "choosing", True)])
 def test_a_refused_key_does_not_count_after_a_stall(seconds, mode, counts):
     """The page asked for another press. A stall is not one."""
     device = hands.Hands()
-    device.see("pedal_up")
+    device.see("pedal_up", False)
     for i in range(round(seconds / 0.02)):
         device.apply(motion(), 1.0 + 0.02 * i)
-        device.see(mode)
+        device.see(mode, mode not in ("pedal_up", "camera_moving"))
     device.watch(1.1 + seconds)
     device.apply(motion(), 1.2 + seconds)
     assert device.pedal == counts
+
+
+def test_a_stall_so_short_that_the_trainer_publishes_no_mode_refuses_no_key():
+    device = hands.Hands()
+    device.apply(motion(), 1.0)
+    device.see("teleoperating", True)
+    for begin in (1.2, 2.4):  # two stalls, held for 1 s between them
+        device.watch(begin)
+        for i in range(50):
+            device.apply(motion(), begin + 0.003 + 0.02 * i)
+            assert device.pedal, f"{begin} s"
 
 
 @pytest.mark.parametrize("message", [
@@ -299,6 +311,15 @@ exec sleep 60
 """
 
 
+WAITS = "#!/bin/sh\nexec sleep 60\n"  # a daemon that has no log yet
+
+
+def break_robot(folder):
+    """From now on the virtual Raven ends at once, before the daemon's log begins."""
+    (folder / "programs/virtual_raven").write_text("#!/bin/false\n")
+    (folder / "programs/simulator").write_text(WAITS)
+
+
 def supervised(folder, known, program):
     """A supervisor whose programs are all `program`; the daemon's begins a log."""
     (folder / "programs").mkdir(parents=True)
@@ -359,7 +380,7 @@ def test_the_next_attempt_that_cannot_start_leaves_the_session_or_says_that_it_h
             await made.next()
         assert made.phase == "running", "nothing has changed"
         has_passed[0] = False
-        (tmp_path / "programs/virtual_raven").write_text("#!/bin/false\n")
+        break_robot(tmp_path)
         with pytest.raises(supervisor.Refused, match="^The session has ended. The next attempt did not start: virtual_raven"):
             await made.next()
         assert made.phase == "idle"
@@ -386,6 +407,25 @@ def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
     assert ("virtual_raven" in launched) == (not robot)
     assert ("--strict" in launched["simulator"]) == bool(robot)
     assert '<arg name="strict" default="true"' in (ROOT / "launch/hardware.launch").read_text()
+
+
+@pytest.mark.parametrize("sender, stream, hearer", [("master_console", "--master-port", "simulator"), ("simulator", "--force-port", "master_console"),
+                                                    ("simulator", "--sight-port", "master_console")])
+def test_a_bad_link_carries_each_stream_to_its_hearer(known, tmp_path, sender, stream, hearer):
+    """config/network.yaml: motion goes to the daemon, forces and sight come from it."""
+    boss, launched = supervise(tmp_path, known), {}
+
+    async def launch(name, arguments):
+        launched[name] = arguments
+
+    async def await_log():
+        pass
+
+    boss._launch, boss._await_log = launch, await_log
+    asyncio.run(boss._start(supervisor.Choice({**GOOD, "link": "wifi"}, known)))
+    ways = dict(word.split(":127.0.0.1:") for word in launched["impair"] if ":127.0.0.1:" in word)
+    sent, heard = (launched[name][launched[name].index(stream) + 1] for name in (sender, hearer))
+    assert len(ways) == 3 and ways[sent] == heard != sent
 
 
 @pytest.mark.parametrize("driver, is_one", [("expert", True), ("clumsy:hasty", True), ("scripted-over-wan", True), ("expert-over-net_delay_2", True),
@@ -423,6 +463,57 @@ def test_a_station_that_was_killed_in_a_start_leaves_no_program_behind(known, tm
         made._processes = {}
         assert not made.adopt() and made.phase == "idle"
         assert left.wait(5) == -signal.SIGTERM
+
+
+@pytest.mark.parametrize("newest", ["session", "replay", "failed start"])
+def test_a_station_that_starts_again_between_sessions_repeats_the_settings_of_the_last_session(known, tmp_path, newest):
+    made = supervised(tmp_path, known, PROGRAM)
+
+    async def sessions():
+        await made.start({"trainee": "ann", "exercise": "peg_transfer", "driver": "browser"})
+        await made.end()
+        if newest == "replay":
+            await made.start({"exercise": "camera_clutch", "driver": "browser"}, replay=True)
+            await made.end()
+        if newest == "failed start":
+            break_robot(tmp_path)
+            with pytest.raises(supervisor.Refused):
+                await made.start({"trainee": "bea", "exercise": "camera_clutch", "driver": "browser"})
+            for name in ("virtual_raven", "simulator"):
+                (tmp_path / "programs" / name).write_text(PROGRAM)
+        again = supervisor.Supervisor(tmp_path / "programs", tmp_path / "sessions", known, lambda: None, lambda trainee, stages: ([], 0))
+        assert not again.adopt() and again.phase == "idle"
+        await again.next()  # the page offers it, because state() has a choice
+        assert (again.state()["choice"]["trainee"], again.state()["choice"]["exercise"]) == ("ann", "peg_transfer")
+        await again.end()
+
+    asyncio.run(sessions())
+
+
+def test_a_station_that_was_killed_in_a_replay_offers_no_next_attempt(known, tmp_path):
+    made = supervised(tmp_path, known, PROGRAM)
+    made._choice, made._directory = supervisor.Choice({"driver": "browser"}, known), made._replay
+    made._remember()
+    again = supervised(tmp_path / "again", known, PROGRAM)
+    again._logs, again._replay = made._logs, made._replay
+    assert not again.adopt() and again.state()["choice"] is None
+
+
+@pytest.mark.parametrize("later, is_ours", [(0.0, True), (-1.0, False), (1.0, False)])
+def test_a_process_that_has_the_number_of_an_earlier_one_is_not_adopted(known, tmp_path, later, is_ours):
+    made = supervised(tmp_path, known, PROGRAM)
+    made._file().parent.mkdir(parents=True)
+    made._file().write_text(json.dumps({"processes": {"simulator": [os.getpid(), psutil.Process().create_time() - later]}, "choice": None,
+                                        "session": str(tmp_path / "sessions/s1")}))
+
+    async def adopt():
+        found = made.adopt()
+        if made._watcher:
+            made._watcher.cancel()
+        return found
+
+    assert asyncio.run(adopt()) == is_ours and made.is_running == is_ours
+    assert (time.monotonic() - made.began_at < 100) == is_ours, "pages wait for the trainer as after a start"
 
 
 def test_a_station_that_ends_waits_for_what_is_under_way_and_starts_nothing(known, tmp_path):
@@ -937,10 +1028,12 @@ def test_tips_are_compared_over_the_chain_of_frames():
     half = math.sqrt(0.5)
     for side, shift in (("model", 0.0), ("robot", 0.003)):
         tree.put(f"{side}/base_link_L", "world", [1, 0, 0], [0, 0, half, half])
-        tree.put(f"{side}/grasper1_L", f"{side}/base_link_L", [0.1 + shift, 0, 0], [0, 0, 0, 1])
+        tree.put(f"{side}/grasper1_L", f"{side}/base_link_L", [0.1 + shift, 0, 0], [0, 0, 0, 1], stamp=1)
     assert tree.origin("model/grasper1_L") == pytest.approx([1, 0.1, 0])
     assert tree.apart("L") == pytest.approx(0.003)
     assert tree.apart("R") is None
+    tree.put("model/grasper1_L", "model/base_link_L", [0.2, 0, 0], [0, 0, 0, 1], stamp=2)
+    assert tree.apart("L") is None, "the robot is gone; its last pose is one of another moment"
     tree.put("loop", "loop", [0, 0, 0], [0, 0, 0, 1])
     assert tree.origin("loop") is None
 
@@ -960,6 +1053,107 @@ def test_the_real_camera_is_shown_only_if_pictures_come(said, asked):
     assert asyncio.run(station.do("view", {"real": True}))[0] is asked
     assert asyncio.run(station.do("view", {"real": False}))[0]
     assert calls == [("set_view", {"data": True})] * asked + [("set_view", {"data": False})]
+
+
+PAGE_OF_A_TRAINEE = {"drive", "leave", "watch"}  # what it may ask for
+
+
+@pytest.mark.parametrize("what", sorted({*station_module.TRIGGERS, *(name[4:].replace("_", "-") for name in dir(station_module.Station)
+                                                                    if name.startswith("_do_"))} - PAGE_OF_A_TRAINEE))
+def test_a_trainee_may_not_do_what_is_the_instructors(what):
+    calls = []
+
+    async def call(*given, **_):
+        calls.append(given)
+        return True, "accepted", {}
+
+    station = station_module.Station(None, None)
+    station.link = types.SimpleNamespace(call=call)
+    assert not asyncio.run(station.do(what, {}, types.SimpleNamespace(role="trainee")))[0] and calls == []
+
+
+def station_in_a_session(choice=None):
+    station = station_module.Station(types.SimpleNamespace(describe=dict, exercises=[]), types.SimpleNamespace(trainees=list))
+    station.supervisor = types.SimpleNamespace(phase="running", is_running=True, began_at=0.0, ended_at=0.0, trouble="",
+                                               state=lambda: {"choice": choice})
+    station.link = types.SimpleNamespace(is_up=True, is_taken=False, send=lambda _: None)
+    return station
+
+
+@pytest.mark.parametrize("role", ["trainee", "instructor"])
+def test_a_trainees_page_that_is_opened_in_a_session_does_not_tell_the_hazard(role):
+    station = station_in_a_session({**GOOD, "hazard": "sudden_jump", "when": "own", "seed": 7})
+    station.newest["session"] = {"t": "session", "directory": "/s1", "exercise": "peg_transfer", "drill": "sudden_jump", "hazard": "sudden_jump"}
+    sent = []
+    asyncio.run(station.join(types.SimpleNamespace(role=role, number=1, send=sent.append)))
+    assert {"session", "station"} <= {message["t"] for message in sent}
+    assert ("sudden_jump" in json.dumps(sent)) == (role == "instructor")
+
+
+@pytest.mark.parametrize("goes", ["closed", "leave"])
+def test_the_hands_stay_with_the_page_that_drives_when_another_page_goes(goes):
+    station = station_in_a_session()
+    driver, other = (types.SimpleNamespace(role="trainee", number=number, send=lambda _: None) for number in (1, 2))
+    station.clients, station.driving = {1: driver, 2: other}, driver
+    for client, drives in ((other, driver), (driver, None)):
+        if goes == "closed":
+            station.part(client)
+        else:
+            assert asyncio.run(station.do("leave", {}, client))[0]
+        assert station.driving is drives
+
+
+@pytest.mark.parametrize("chosen, given, injected", [
+    ("own", {}, "drill"), ("none", {"hazard": "own"}, "drill"), ("fk_pos", {}, "fk_pos"), ("own", {"hazard": "fk_vel"}, "fk_vel"), ("none", {}, None)])
+def test_inject_takes_the_hazard_of_the_request_else_the_chosen_one(known, chosen, given, injected):
+    """`own` is the exercise's drill."""
+    calls = []
+
+    async def call(service, arguments):
+        calls.append((service, arguments))
+        return True, "the hazard acts", {}
+
+    drill = yaml.safe_load((ROOT / "config/exercises" / f"{GOOD['exercise']}.yaml").read_text())["drill"]["scenario"]
+    station = station_module.Station(known, None)
+    station.link = types.SimpleNamespace(call=call)
+    station.supervisor = types.SimpleNamespace(choice=supervisor.Choice({**GOOD, "hazard": chosen, "when": "instructor"}, known))
+    assert asyncio.run(station.do("inject", given))[0] == (injected is not None)
+    assert calls == ([("inject_hazard", {"name": drill if injected == "drill" else injected})] if injected else [])
+
+
+def test_a_trainer_of_a_launch_file_has_nothing_of_the_session_before(known):
+    """The page names the session by its choice, and Inject takes the hazard of it."""
+    calls = []
+
+    async def call(service, arguments):
+        calls.append((service, arguments))
+        return True, "the hazard acts", {}
+
+    choice = supervisor.Choice({**GOOD, "hazard": "sudden_jump", "when": "instructor"}, known)
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    station.supervisor = types.SimpleNamespace(phase="idle", is_running=False, ended_at=0.0, trouble="", choice=choice,
+                                               state=lambda: {"choice": choice.as_dict()})
+    station.link = types.SimpleNamespace(call=call, is_up=True, is_taken=False)
+    shown = []
+    for is_foreign in (True, False):
+        station._daemon_heard = time.monotonic() if is_foreign else None
+        assert station.is_foreign == is_foreign
+        shown.append(station._station(types.SimpleNamespace(role="instructor"))["choice"])
+        assert asyncio.run(station.do("inject", {}))[0] != is_foreign
+        assert asyncio.run(station.do("inject", {"hazard": "fk_pos"}))[0]
+    assert shown == [None, choice.as_dict()]
+    assert [arguments["name"] for _, arguments in calls] == ["fk_pos", "sudden_jump", "fk_pos"]
+
+
+@pytest.mark.parametrize("shares, trouble", [([], ""), ([0.0], ""), ([0.0, None], "no space left"), ([0.0, None, 0.0], ""), ([0.0, 1.0], "")])
+def test_a_verdict_says_whether_the_report_has_failed(tmp_path, shares, trouble):
+    """A page that comes later did not hear it."""
+    station = station_module.Station(None, Sessions(tmp_path))
+    for share in shares:
+        station.finished("s1", "report", share, "no space left" if share is None else "")
+    station.finished("s2", "report", None, "of another session")
+    station.finished("s1", "video", None, "of the video")
+    assert asyncio.run(station.do("verdict", {"session": "s1"})) == (True, "", {"trouble": trouble})
 
 
 class Sessions:
@@ -1212,6 +1406,144 @@ def test_a_gamepad_with_a_known_layout_comes_first(mappings, used, text):
             "const text = hands.gamepad(0.1); console.log(JSON.stringify([hands.pad ? hands.pad.id : null, text]));")
     found, said = run_page_script("input.js", code)
     assert found == used and said.startswith(text) and bool(said) == bool(text)
+
+
+HANDS = """
+const screen = { addEventListener() {} };
+globalThis.window = { addEventListener() {} };
+globalThis.document = { pointerLockElement: screen };
+Object.defineProperty(globalThis, "navigator", { value: { getGamepads: () => [pad] }, configurable: true });
+const pad = { connected: true, id: "pad", mapping: "standard", axes: [0, 0, 0, 0], buttons: Array.from({ length: 17 }, () => ({ pressed: false, value: 0 })) };
+const hands = new Hands(screen, {});
+"""
+
+
+@pytest.mark.parametrize("arm, other, stick, trigger, shoulder", [("gold", "green", 0, 6, 4), ("green", "gold", 2, 7, 5)])
+def test_each_side_of_a_gamepad_moves_its_arm_alone(arm, other, stick, trigger, shoulder):
+    """doc/station.md. A stick that is pushed away has a negative value in the browser's standard layout."""
+    sent = run_page_script("input.js", HANDS + f"""
+      pad.axes[{stick}] = 0.5; pad.axes[{stick} + 1] = -0.8; pad.buttons[{trigger}].value = 1; pad.buttons[{shoulder}].pressed = true;
+      hands.gamepad(0.1); console.log(JSON.stringify(hands.take(0.1)));""")
+    assert sent["pedal"] is True
+    assert sent["arms"][arm]["move"] == pytest.approx([0.0125, 0.02, 0.0]) and sent["arms"][arm]["jaw"] == 0, "0.25 m/s at the stick's end"
+    assert sent["arms"][other]["move"] == [0, 0, 0] and sent["arms"][other]["jaw"] > 0.5
+
+
+@pytest.mark.parametrize("arm, other", [("gold", "green"), ("green", "gold")])
+def test_mouse_and_its_left_button_are_of_the_chosen_arm_alone(arm, other):
+    sent = run_page_script("input.js", HANDS + f"""
+      hands.arm = "{arm}"; hands.button({{ button: 0 }}, true); hands.mouse({{ movementX: 5, movementY: 0 }});
+      console.log(JSON.stringify(hands.take(0.1)));""")
+    assert sent["arms"][arm]["jaw"] == 0 and sent["arms"][arm]["move"] == pytest.approx([0.005, 0, 0])
+    assert sent["arms"][other]["jaw"] > 0.5 and sent["arms"][other]["move"] == [0, 0, 0]
+
+
+@pytest.mark.parametrize("held, chosen", [("gold", "green"), ("green", "gold")])
+def test_the_left_button_opens_the_jaws_that_it_has_closed(held, chosen):
+    """Even if the other arm is chosen meanwhile, whose jaws hold something."""
+    jaws = run_page_script("input.js", HANDS + f"""
+      hands.jaws.{chosen} = 0; hands.arm = "{held}"; hands.button({{ button: 0 }}, true);
+      hands.arm = "{chosen}"; hands.button({{ button: 0 }}, false); console.log(JSON.stringify(hands.jaws));""")
+    assert jaws[held] > 0.5 and jaws[chosen] == 0
+
+
+# A browser that shows nothing: elements keep what they are given. Requests of the page go to `asked`.
+NO_BROWSER = """
+const elements = new Map();
+class Node {
+  constructor() { Object.assign(this, { value: "", textContent: "", className: "", hidden: false, dataset: {}, children: [], heard: {} }); }
+  get options() { return this.children.flatMap((child) => (child.children.length ? child.children : [child])); }
+  addEventListener(what, run) { (this.heard[what] = this.heard[what] || []).push(run); }
+  fire(what) { for (const run of this.heard[what] || []) run({ preventDefault() {} }); }
+  replaceChildren(...children) {
+    this.children = children;
+    if (!this.options.some((option) => option.value === this.value)) this.value = this.options[0]?.value ?? "";
+  }
+  append(...children) { this.children.push(...children); }
+  setAttribute() {}
+  getContext() { return {}; }
+}
+const element = (id) => { if (!elements.has(id)) elements.set(id, new Node()); return elements.get(id); };
+const asked = [];
+class WebSocket {
+  static OPEN = 1;
+  constructor() { this.readyState = 1; this.bufferedAmount = 0; }
+  send(text) { asked.push(JSON.parse(text)); }
+}
+Object.assign(globalThis, { Node, WebSocket, location: { protocol: "http:", host: "" }, setInterval() {}, document: Object.assign(new Node(), {
+  getElementById: element, createElement: () => new Node() }) });
+const hear = (message) => link.socket.onmessage({ data: JSON.stringify(message) });
+const answers = async (id, more) => { hear({ t: "reply", id, ok: true, text: "", more }); await new Promise((resolve) => setTimeout(resolve)); };
+const idle = { t: "station", phase: "idle", trouble: "", session: null, replay: false, choice: null, last: null, drives: null,
+  hands_away: false, foreign: false };
+"""
+
+
+def run_instructors_page(known, code):
+    """The instructor's page in node, connected, and then `code`. @return what it prints, read as JSON."""
+    if not shutil.which("node"):
+        pytest.skip("node is not installed")
+    modules = [(ROOT / "scripts/raven2_station/page" / name).read_text(encoding="utf-8") for name in ("link.js", "charts.js", "instructor.js")]
+    page = re.sub(r"(?m)^import .*$|^export ", "", "".join(modules))
+    begin = f'link.socket.onopen(); hear({{ t: "library", ...{json.dumps(known.describe())}, trainees: [] }}); hear(idle);\n'
+    done = subprocess.run(["node", "--input-type=module"], input=NO_BROWSER + page + begin + code, capture_output=True, text=True, check=False,
+                          timeout=60)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_a_page_that_heard_nothing_for_a_moment_asks_for_the_verdict_again(known):
+    """Its buttons are of that session still."""
+    found = run_instructors_page(known, """
+      hear({ ...idle, last: "s1" });
+      link.isSilent = true; showOpen(false); asked.length = 0;
+      hear({ t: "alive", level: 0, text: "" });
+      element("video").fire("click");
+      console.log(JSON.stringify(asked.map((a) => [a.do, a.with.session])));""")
+    assert ["verdict", "s1"] in found and ["video", "s1"] in found and "watch" in [what for what, _ in found]
+
+
+def test_the_class_is_that_of_the_curriculum_that_is_chosen(known):
+    names = known.names("curricula")
+    found = run_instructors_page(known, f"""
+      for (const tab of TABS) element(tab).hidden = tab !== "class";
+      asked.length = 0; element("curriculum").value = "{names[-1]}"; element("curriculum").fire("change");
+      console.log(JSON.stringify([asked.filter((a) => a.do === "class").map((a) => a.with), element("class-csv").href]));""")
+    assert found == [[{"curriculum": names[-1]}], f"/class.csv?curriculum={names[-1]}"]
+
+
+@pytest.mark.parametrize("chosen, given", [("none", "drill"), ("sudden_jump", None)])
+def test_inject_takes_the_exercises_own_hazard_of_set_up(known, chosen, given):
+    """Another exercise, or none, may run."""
+    exercise = known.exercise("pick_hand_over_place")
+    running = {**GOOD, "exercise": "none", "hazard": chosen, "when": "instructor", "curriculum": ""}
+    found = run_instructors_page(known, f"""
+      hear({{ ...idle, phase: "running", choice: {json.dumps(running)} }});
+      element("exercise").value = "{exercise['name']}"; showChoices(); element("hazard").value = "own"; asked.length = 0;
+      element("inject").fire("click"); console.log(JSON.stringify(asked.map((a) => a.with)));""")
+    assert found == [{"hazard": exercise["drill"]} if given else {}]
+
+
+@pytest.mark.parametrize("trouble, text", [("", "The report is being written."), ("no space left", "There is no report.")])
+def test_a_page_that_comes_later_knows_of_a_report_that_failed(known, trouble, text):
+    found = run_instructors_page(known, f"""
+      hear({{ ...idle, last: "s1" }});
+      await answers(asked.at(-1).id, {{ headline: "No report yet", improve: [], passed: null, video: false, trouble: "{trouble}" }});
+      console.log(JSON.stringify([element("verdict").textContent, element("progress-text").textContent]));""")
+    assert found == [text, f"The report failed: {trouble}" if trouble else ""]
+
+
+@pytest.mark.parametrize("said, what, share, shown", [
+    ("The emergency stop is not confirmed.", "video", 0.5, None), ("The hazard acts", "video", 0.5, None), ("The hazard acts", "report", 0.0, None),
+    ("The video is being rendered.", "video", 0.5, "Video of s2: 50 %"), ("Video of s2: 49 %", "video", 0.5, "Video of s2: 50 %"),
+    ("", "video", 0.5, "Video of s2: 50 %"), ("The hazard acts", "video", 1, "The video of s2 is ready."),
+    ("The report is being written.", "report", None, "The report of s2 failed: no space left")])
+def test_work_on_a_listed_session_says_its_end_and_its_percents_hide_no_other_text(known, said, what, share, shown):
+    found = run_instructors_page(known, f"""
+      element("said").textContent = "{said}";
+      hear({{ t: "progress", session: "s2", what: "{what}", share: {json.dumps(share)}, text: "no space left" }});
+      console.log(JSON.stringify(element("said").textContent));""")
+    assert found == (shown or said)
 
 
 GUIDES = ("doc/station.md", "doc/tutorials/surgeon_assistant.md", "doc/tutorials/educator.md")

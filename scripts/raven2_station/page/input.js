@@ -43,6 +43,7 @@ export class Hands {
     this.jaws = { gold: JAW_OPEN, green: JAW_OPEN };
     this.speed = 1;
     this.triggers = { gold: 0, green: 0 };
+    this.gripping = null;  // the arm whose jaws the left button holds
     this.reset();
     screen.addEventListener("mousemove", (e) => this.mouse(e));
     screen.addEventListener("wheel", (e) => this.wheel(e), { passive: false });
@@ -87,7 +88,10 @@ export class Hands {
   button(event, isDown) {
     if (!this.isLocked) return;
     if (event.button === 2) this.turning = isDown;
-    if (event.button === 0) this.jaws[this.arm] = isDown ? 0 : JAW_OPEN;
+    if (event.button !== 0) return;
+    const arm = isDown ? this.arm : this.gripping || this.arm;  // the other arm may have been chosen meanwhile
+    this.jaws[arm] = isDown ? 0 : JAW_OPEN;
+    this.gripping = isDown ? arm : null;
   }
 
   key(event, isDown) {

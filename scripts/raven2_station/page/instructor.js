@@ -27,7 +27,7 @@ const link = new Link("instructor", {
 }, showPicture, showOpen);
 
 function showOpen(isOpen) {
-  shown = isOpen ? "" : shown;  // a report may have come meanwhile
+  if (isOpen && shown) showVerdict(shown);  // a report may have come meanwhile
   if (!isOpen) showHealth({ level: 2, text: "The station does not answer. Trying again." });
   if (isOpen) wantPictures();
 }
@@ -153,6 +153,12 @@ function driverHelp(driver) {
   return `${library.masters.find((m) => m.name === driver.slice(7)).title}. The device's driver must run.`;
 }
 
+// `own` is of the exercise in Set up. Another one may run.
+function hazardInSetUp() {
+  const exercise = library.exercises.find((e) => e.name === byId("exercise").value);
+  return byId("hazard").value === "own" && exercise ? exercise.drill : byId("hazard").value;
+}
+
 function showChoices() {
   const exercise = library.exercises.find((e) => e.name === byId("exercise").value);
   const hazards = [option("none", "none")];
@@ -165,8 +171,7 @@ function showChoices() {
   fill(byId("driver"), [...drivers, ...library.masters.map((m) => `master:${m.name}`)].map((d) => option(d, driverText(d))));
   byId("exercise-help").textContent = exercise ? `${exercise.title}. Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
     : "The arms move freely; nothing is scored.";
-  const name = byId("hazard").value === "own" && exercise ? exercise.drill : byId("hazard").value;
-  const hazard = library.hazards.find((h) => h.name === name);
+  const hazard = library.hazards.find((h) => h.name === hazardInSetUp());
   byId("hazard-help").textContent = hazard ? `${hazard.expected} Right response: ${hazard.response}` : "Nothing goes wrong.";
   byId("driver-help").textContent = driverHelp(byId("driver").value);
   const linkName = byId("link").value;
@@ -200,6 +205,7 @@ async function showStage() {
 }
 
 for (const id of ["curriculum", "trainee"]) byId(id).addEventListener("change", showStage);
+byId("curriculum").addEventListener("change", () => { if (!byId("class").hidden) showClass(); });
 for (const id of ["exercise", "hazard", "driver", "link"]) byId(id).addEventListener("change", showChoices);
 
 // A page that is opened again shows the session that runs.
@@ -255,7 +261,7 @@ byId("emergency-stop").addEventListener("click", async () => {
   say({ ok: reply.ok, text: reply.ok ? "Stopped." : `The emergency stop is not confirmed. ${sentence(reply.text)} Use the stop button of the robot.` });
 });
 press("clear-stop", "clear-stop");
-press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: byId("hazard").value }));
+press("inject", "inject", () => (station.choice && station.choice.hazard !== "none" ? {} : { hazard: hazardInSetUp() }));
 press("stop-hazard", "stop-hazard");
 press("view", "view", () => ({ real: mode.view !== "real" }));
 press("take-hands", "take-hands", () => ({ away: !station.hands_away }));
@@ -293,14 +299,15 @@ async function showVerdict(name) {
   if (shown !== name) return;
   if (!reply.ok) return hideVerdict(reply.text);
   const verdict = reply.more;
-  byId("verdict").textContent = verdict.headline === "No report yet" ? "The report is being written." : verdict.headline;
+  const hasReport = verdict.headline !== "No report yet";
+  byId("verdict").textContent = hasReport ? verdict.headline : verdict.trouble ? "There is no report." : "The report is being written.";
+  if (verdict.trouble) byId("progress-text").textContent = `The report failed: ${verdict.trouble}`;
   byId("verdict").className = verdict.passed === true ? "good" : verdict.passed === false ? "bad" : "";
   byId("improve").replaceChildren(...verdict.improve.map((advice) => {
     const item = document.createElement("li");
     item.textContent = `${advice.what}: ${advice.how}`;
     return item;
   }));
-  const hasReport = verdict.headline !== "No report yet";
   byId("report").hidden = !hasReport;
   byId("report").href = `/sessions/${name}/report.html`;
   byId("video").hidden = !hasReport;
@@ -335,13 +342,16 @@ function showProgress(message) {
       byId("video-link").href = `/sessions/${message.session}/video.mp4`;
     }
   }
-  if (message.session !== shown && message.what === "video") sayVideo(message);
+  if (message.session !== shown && (message.what === "video" || message.share === null)) sayProgress(message);
   if (done) refreshTab();
 }
 
-// Of a session in the list, whose progress has no other place.
-function sayVideo({ session, share, text }) {
-  say({ ok: share !== null, text: share === null ? `The video of ${session} failed: ${text}`
+// Of a session in the list, whose progress has no other place. Percents do not take the place of another text, such as that of an
+// emergency stop that is not confirmed.
+function sayProgress({ session, what, share, text }) {
+  const isPercent = share !== null && share < 1;
+  if (isPercent && !/^($|The video |Video of )/.test(byId("said").textContent)) return;
+  say({ ok: share !== null, text: share === null ? `The ${what} of ${session} failed: ${text}`
     : share === 1 ? `The video of ${session} is ready.` : `Video of ${session}: ${Math.round(100 * share)} %` });
 }
 

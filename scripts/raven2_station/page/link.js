@@ -59,8 +59,9 @@ export class Link {
 
   heard() {
     this.lastHeard = performance.now();
-    if (this.isSilent) this.onOpen(true);
-    this.isSilent = false;
+    const wasSilent = this.isSilent;
+    this.isSilent = false;  // first: the page asks for something at once
+    if (wasSilent) this.onOpen(true);
   }
 
   // A connection may stay open for minutes although nobody is at its other end.
