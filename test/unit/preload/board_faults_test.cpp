@@ -293,6 +293,40 @@ TEST(NetworkFaults, APacketBeforeTheFirstCycleCanBeRepeated) {
   EXPECT_EQ(sendMoving(2, 7), 30);
 }
 
+/** By these numbers, merge_truth finds the ticks of a session without a common clock. */
+TEST(NetworkFaults, ChangesOfEitherThreadHaveTheNumberOfTheNewestPacket) {
+  FaultPlan plan = planOf(fault(FaultVariable::kPacket, FaultKind::kDrop, 1.0));
+  plan.faults[0].trigger = FaultTrigger::kPacket;
+  plan.faults[0].first_tick = 2;
+  plan.faults[0].duration_ticks = 1;
+  plan.faults[plan.count] = fault(FaultVariable::kDac, FaultKind::kStuckAt, 1);
+  plan.faults[plan.count].first_tick = 3;
+  plan.faults[plan.count].row = 1;
+  ++plan.count;
+  CycleHistory history;
+  BoardFaults boards(plan, &history);
+  NetworkFaults network(plan, &history);
+  const auto cycle = [&] {
+    UsbInBytes in = kGoldIn;
+    UsbOutBytes out;
+    boards.read(Arm::kGold, UsbRead::kComplete, &in, 0);
+    boards.write(Arm::kGold, raven::encodeOut({}), &out);
+  };
+  cycle();
+  for (std::uint32_t sequence = 41; sequence <= 45; ++sequence) {
+    network.offer(packet(sequence), 0);
+    wire::ItpBytes bytes;
+    while (network.take(&bytes, 0)) {
+    }
+    cycle();
+  }
+  ASSERT_EQ(network.log().size(), 2U);
+  EXPECT_EQ(network.log()[0].command, 43U) << "the third with the pedal down";
+  EXPECT_EQ(network.log()[1].command, 44U);
+  ASSERT_EQ(boards.log().size(), 1U);
+  EXPECT_EQ(boards.log()[0].command, 43U) << "the fourth cycle";
+}
+
 TEST(CycleHistory, CountsPacketsFromTheFirstPedalDownOn) {
   CycleHistory history;
   for (int k = 0; k < 3; ++k)

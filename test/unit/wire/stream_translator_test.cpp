@@ -240,6 +240,25 @@ TEST(StreamTranslator, AtTheGateAPacketAboveTheRateIsNotTheLastGrasp) {
   EXPECT_EQ(console.got.grasp_mrad, (PerArm<std::int32_t>{50, -50})) << "nothing of the motion is lost";
 }
 
+TEST(StreamTranslator, AtTheGateARefusedPacketIsNeitherTheLastGraspNorTheEndOfASilence) {
+  for (const bool is_hardened : {true, false}) {
+    LooseConsole console(1000.0, is_hardened);
+    const std::int64_t timeout_ms = is_hardened ? 200 : 5000;
+    const auto sendAgain = [&](std::int64_t time_ms, std::int32_t grasp) {
+      --console.sequence;
+      return console.send(time_ms, 1, grasp);
+    };
+    ASSERT_EQ(console.send(1, 0, 100), Reject::kNone);
+    ASSERT_EQ(console.send(2, 1, 110), Reject::kNone);
+    ASSERT_EQ(sendAgain(3, 400), Reject::kDuplicate);
+    ASSERT_EQ(console.send(4, 1, 150), Reject::kNone);
+    EXPECT_EQ(console.got.grasp_mrad, (PerArm<std::int32_t>{40, -40})) << is_hardened;
+    ASSERT_EQ(sendAgain(timeout_ms - 50, 150), Reject::kDuplicate);
+    ASSERT_EQ(console.send(timeout_ms + 100, 1, 150), Reject::kNone);
+    EXPECT_EQ(console.got.surgeon_mode, 0) << "the daemon has lifted the pedal, it was not pressed: " << is_hardened;
+  }
+}
+
 /** The packets of a dV-Trainer, through the gate that refused them. */
 TEST(StreamTranslator, AtTheGateALooseConsoleIsTakenWithItsProfileAlone) {
   for (const bool has_profile : {false, true}) {
