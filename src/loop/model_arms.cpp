@@ -77,10 +77,6 @@ void ModelArms::takeOpenings(const PerArm<JointArray>& q) noexcept {
 }
 
 void ModelArms::yield(Arm arm, const JointArray& now, Increments* increments) noexcept {
-  if (driver_.areJawsPushed(arm)) {
-    at(increments->dgrasp, arm) = 0.0;
-    at(mappers_, arm).setOpening(kinematics::jawOpening(now));
-  }
   if (!driver_.isPushed(arm)) return;
   at(increments->dp_I, arm) = {};
   at(increments->dq_I, arm) = kIdentityQuat;

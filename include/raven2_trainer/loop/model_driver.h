@@ -27,7 +27,6 @@ class ModelDriver {
   void push(Arm arm, const Effort& effort) noexcept { at(efforts_, arm) = effort; }
   /** Whether an effort moves the arm; one on the jaws alone does not. */
   bool isPushed(Arm arm) const noexcept { return at(efforts_, arm).kind != EffortKind::kNone; }
-  bool areJawsPushed(Arm arm) const noexcept { return at(efforts_, arm).has_jaw; }
 
   /** From now on an arm gets the torques of a twin in a separate world, except its jaws: they hold objects that the
    *  twin does not have. The twin starts at rest at the arm's joints; the control law drives it to the set points. */
