@@ -109,10 +109,9 @@ std::string table(const std::map<std::uint32_t, std::string>& rows) {
 
 /** Whether an open file is still the one of this path. */
 bool isFileAt(const std::string& path, int file) {
-  struct stat held {
-  }, there{};
-  return ::fstat(file, &held) == 0 && ::stat(path.c_str(), &there) == 0 && held.st_dev == there.st_dev &&
-         held.st_ino == there.st_ino;
+  struct stat held = {}, there = {};
+  const bool are_known = ::fstat(file, &held) == 0 && ::stat(path.c_str(), &there) == 0;
+  return are_known && held.st_dev == there.st_dev && held.st_ino == there.st_ino;
 }
 
 /** Lines that end; what comes after the last end of line is torn. */

@@ -6,8 +6,8 @@
 
 namespace raven2_trainer::ros_bridge {
 
-/** Shows an arm as busy. A client waits until it is busy, and then until it is not. A thread that
- * comes late may find a move at its end already, so each move is shown for a while from then on. One thread. */
+/** Shows an arm as busy. A client waits until it is busy, and then until it is not. A thread that comes late may find a
+ * move at its end already, so each move is shown for a while from then on. One thread. */
 class CrtkBusy {
  public:
   /** @param[in] moves Moves that began since the start. @param[in] tick Of the state; shown for kShown ticks from it.
