@@ -4,7 +4,7 @@ namespace raven2_trainer::training {
 
 namespace {
 
-/** Session tick of a model tick, as seen from a later one of the same session. */
+/** Session tick of a model tick, as seen from a later one. There must be no pause between them. */
 Tick sessionTick(const ModelState& now, Tick tick) {
   if (tick < 0 || now.session_tick < 0) return -1;
   const Tick session = tick - (now.tick - now.session_tick);
@@ -30,9 +30,9 @@ void ExerciseTally::add(const ModelState& model) {
     if (attempt != nullptr && kind < attempt->events.size()) ++attempt->events[kind];
   }
   if (attempt == nullptr) return;
+  if (exercise.began != attempt->state.began) attempt->began = sessionTick(model, exercise.began);
+  if (exercise.ended != attempt->state.ended) attempt->ended = sessionTick(model, exercise.ended);
   attempt->state = exercise;
-  attempt->began = sessionTick(model, exercise.began);
-  attempt->ended = sessionTick(model, exercise.ended);
   if (exercise.status == ExerciseStatus::kRunning && traitsOf(model.mode).timed) ++attempt->ticks;
 }
 

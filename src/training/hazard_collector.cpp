@@ -10,7 +10,7 @@ namespace raven2_trainer::training {
 
 namespace {
 
-constexpr Tick kLateness = 5000;   // [1 ms] the recorder's queues hold a little over four seconds
+constexpr Tick kLateness = 5000;   // [1 ms] twice what the recorder's queues hold (core/record_rings.h)
 constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
 constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon receives whose fault it had
 constexpr Tick kForceFalls = 40;   // [1 ms] from the largest force to zero, at the least `max_slew` of haptics.yaml
@@ -117,15 +117,24 @@ void HazardCollector::append(const TickRecord& record, Open* open) const {
   if (hazard.end < 0 || now <= hazard.end) window.recovery = window.samples.size();
 }
 
-/** A pedal-up that a pedal-down follows. */
+/** A pedal-up at that time may answer a hazard. */
+bool HazardCollector::mayAnswer(Tick now) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const Open& open) {
+    return open.injection >= 0 && now <= lastOf(open.hazard) - disengagedFor(kLongestHabit);
+  });
+}
+
+/** A pedal-up that a pedal-down follows. It is no habit where it may answer a hazard, or where an attempt begins. */
 void HazardCollector::watchClutch(const ModelState& model) {
   const bool is_down = model.pedal == kSurgeonsPedal;
-  if (is_down && released_ >= 0) clutches_.push_back(model.session_tick - released_);
+  const bool is_clutch = released_ >= 0 && model.exercise.attempt == attempt_;
+  if (is_down && is_clutch) clutches_.push_back(model.session_tick - released_);
   if (is_down) {
     released_ = -1;
     was_down_ = true;
   } else if (was_down_) {
-    released_ = model.session_tick;
+    released_ = mayAnswer(model.session_tick) ? -1 : model.session_tick;
+    attempt_ = model.exercise.attempt;
     was_down_ = false;
   }
 }

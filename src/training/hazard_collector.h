@@ -45,6 +45,7 @@ class HazardCollector {
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
   void watchClutch(const ModelState& model);
+  bool mayAnswer(Tick now) const;
   void openWindows(Tick now);
   void append(const TickRecord& record, Open* open) const;
   void watchConsole(const ModelState& model);
@@ -60,7 +61,8 @@ class HazardCollector {
   std::deque<Open> open_;
   std::vector<HazardScore> scores_;
   std::vector<Tick> clutches_;  // [1 ms] that each took
-  Tick released_{-1};           // session tick of the pedal-up under way
+  Tick released_{-1};           // session tick of the pedal-up under way; -1: none, or it is no clutch
+  std::uint8_t attempt_{};      // in which that was
   bool was_down_{};
   std::deque<Tick> stops_;  // [model ticks] emergency stops; in a part of the log they come before its ticks
   std::deque<std::pair<Tick, DaemonFaults>> console_faults_;  // newest model ticks in which a console fault acts

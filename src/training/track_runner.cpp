@@ -42,6 +42,7 @@ void TrackRunner::restart() noexcept {
   done_ = 0;
   along_ = 0.0;
   fresh_ = true;
+  had_turn_ = false;
   forget();
 }
 
@@ -86,6 +87,11 @@ bool TrackRunner::advance() noexcept {
 bool TrackRunner::isOutOfOrder(bool its_turn) noexcept {
   if (isDone() || (its_turn && done_ + 1U == steps_.size())) return false;
   const Step& early = its_turn ? steps_.back() : steps_.front();
+  if (its_turn != had_turn_) {  // what was seen so far is about another step
+    early_armed_ = false;
+    early_ticks_ = 0;
+  }
+  had_turn_ = its_turn;
   if (early.wire != kNobody) return false;  // leading along a wire is another step
   if (!holds(early, 0.0)) {
     early_armed_ = true;

@@ -62,6 +62,7 @@ class TrackRunner {
   bool fresh_{true};            ///< the running step has not been looked at
   std::int64_t early_ticks_{0};
   bool early_armed_{false};  ///< what would be out of order was not so at some time
+  bool had_turn_{false};     ///< in the tick before: what would be out of order depends on it
 };
 
 }  // namespace raven2_trainer::training

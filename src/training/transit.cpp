@@ -75,7 +75,7 @@ Economy compare(const std::vector<Transit>& transits, const WayPlanner& plan) {
     if (way.empty()) continue;
     ++economy.planned;
     planned += lengthOf(way);
-    real += lengthOf(transit.way_W);
+    real += lengthOf(transit.way_W) - transit.skipped;
     for (const Vec3& place : transit.way_W)
       distances.push_back(distanceTo(way, place));
   }
@@ -106,21 +106,39 @@ void TransitCollector::carry(Arm arm) {
 }
 
 void TransitCollector::add(const ModelState& model) {
+  const bool is_press = model.pedal != 0 && is_up_;
+  const bool follows = model.tick == last_ + 1 && !is_press;
+  followTips(model);
+  is_up_ = model.pedal == 0;
+  last_ = model.tick;
   for (Going& going : carrying_)
-    sample(model, &going);
+    sample(model, follows, &going);
   for (Going& going : reaching_)
-    sample(model, &going);
+    sample(model, follows, &going);
 }
 
-void TransitCollector::sample(const ModelState& model, Going* going) const {
+/** With the pedal up the tools do not move: the model's return to its robot is no motion of the hand. */
+void TransitCollector::followTips(const ModelState& model) {
+  if (model.pedal == 0 && last_ >= 0) return;
+  for (const Arm arm : kArms)
+    at(tip_W_, arm) = toArray(at(X_WB_, arm) * toEigen(at(model.arms, arm).p_BT));
+}
+
+/** A gap in time begins a new sample, as a press does; what was gathered before it is too short for one. */
+void TransitCollector::sample(const ModelState& model, bool follows, Going* going) const {
   if (!going->is_open) return;
-  const Vec3 tip_W = toArray(at(X_WB_, going->arm) * toEigen(at(model.arms, going->arm).p_BT));
+  if (!follows) {
+    going->sum_W = {};
+    going->ticks = 0;
+    going->is_cut = true;
+  }
   for (std::size_t i = 0; i < 3; ++i)
-    going->sum_W[i] += tip_W[i] / kSampleTicks;
+    going->sum_W[i] += at(tip_W_, going->arm)[i] / kSampleTicks;
   if (++going->ticks < kSampleTicks) return;
-  going->samples.push_back({going->sum_W, {model.arms[0].q, model.arms[1].q}});
+  going->samples.push_back({going->sum_W, {model.arms[0].q, model.arms[1].q}, !going->is_cut});
   going->sum_W = {};
   going->ticks = 0;
+  going->is_cut = false;
 }
 
 void TransitCollector::add(const ExerciseEvent& event) {
@@ -160,9 +178,12 @@ void TransitCollector::close(Going* going) {
   const auto begin = std::find_if(gone.samples.begin(), gone.samples.end(), is_clear_of(first));
   const auto end = std::find_if(gone.samples.rbegin(), gone.samples.rend(), is_clear_of(last)).base();
   if (end - begin < 2 || distance(begin->tip_W, (end - 1)->tip_W) < kLeastTransit) return;
-  Transit transit{gone.arm, at(begin->q, gone.arm), at(begin->q, otherArm(gone.arm)), {}};
-  for (auto sample = begin; sample != end; ++sample)
+  Transit transit{gone.arm, at(begin->q, gone.arm), at(begin->q, otherArm(gone.arm)), {}, 0.0};
+  for (auto sample = begin; sample != end; ++sample) {
+    const bool is_jump = sample != begin && !sample->follows;
+    if (is_jump) transit.skipped += distance(transit.way_W.back(), sample->tip_W);
     transit.way_W.push_back(sample->tip_W);
+  }
   transits_.push_back(std::move(transit));
 }
 

@@ -70,7 +70,7 @@ struct HazardWindow {
   std::vector<HandSample> samples;
   std::size_t injection{};   ///< index of the first sample that the fault acts in
   double motion_scale{1.0};  ///< [-] tip by hand
-  Tick usual_clutch{};       ///< [1 ms] of this surgeon: median of the pedal-ups before; 0 none
+  Tick usual_clutch{};       ///< [1 ms] of this surgeon: median of the clutches before; 0 none
   std::size_t recovery{};    ///< index behind the last sample of the fault's aftermath; at most samples.size()
   bool recovered{};          ///< false: the session ended before
 };

@@ -15,12 +15,14 @@ namespace raven2_trainer::training {
 
 /**
  * An arm carries a body, from taking it to letting go; or, in a track about no object, goes to the goal of a step,
- * from the step's beginning to its end. Less kTransitEnd of the path at both ends.
+ * from the step's beginning to its end. Less kTransitEnd of the path at both ends. While the pedal is up the tip rests
+ * where it was, even if the model returns to its robot.
  */
 struct Transit {
   Arm arm{};
   JointArray start{}, other{};  ///< [rad, m] joints of the arm and of the other one where it begins
   std::vector<Vec3> way_W;      ///< [m] of the tip, 100 Hz
+  double skipped{0.0};          ///< [m] of its length, over gaps in time and from a pedal-up to the press: not moved
 };
 
 constexpr double kTransitEnd = 0.015;    ///< [m] about the places of taking and letting go, where jaws are near things
@@ -51,7 +53,7 @@ class TransitCollector {
   explicit TransitCollector(const PerArm<Pose>& X_WB, const std::vector<ExerciseTrack>& tracks = {});
   /** Before the first tick: what is held already is carried from there on. */
   void begin(const ExerciseState& exercise);
-  /** A tick that counts, in order; events of the tick first. */
+  /** A tick that counts, in order; events of the tick first. A gap between ticks is cut out. */
   void add(const ModelState& model);
   void add(const ExerciseEvent& event);
   /** Those that came to their ends. */
@@ -61,16 +63,19 @@ class TransitCollector {
   struct Sample {
     Vec3 tip_W{};
     PerArm<JointArray> q{};
+    bool follows{};  ///< the hand moved from the sample before it to here
   };
   struct Going {
     Arm arm{};
     bool is_open{false};
+    bool is_cut{true};      ///< the next sample does not follow the one before it
     std::int32_t ticks{0};  ///< in the sum
     Vec3 sum_W{};
     std::vector<Sample> samples;
   };
 
-  void sample(const ModelState& model, Going* going) const;
+  void followTips(const ModelState& model);
+  void sample(const ModelState& model, bool follows, Going* going) const;
   void carry(Arm arm);
   void beginStep(std::size_t track, std::size_t step);
   void endStep(std::size_t track, std::size_t step);
@@ -81,6 +86,9 @@ class TransitCollector {
   PerArm<Going> carrying_{};
   std::vector<Going> reaching_;  ///< by track
   std::vector<Transit> transits_;
+  PerArm<Vec3> tip_W_{};  ///< [m] newest with the pedal down
+  Tick last_{-1};         ///< model tick; -1: none yet
+  bool is_up_{false};     ///< the pedal, in that tick
 };
 
 }  // namespace raven2_trainer::training

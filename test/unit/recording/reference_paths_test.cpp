@@ -59,8 +59,11 @@ std::vector<training::Transit> carryTheRing(const TrainerConfig& config) {
   for (const Arm arm : kArms)
     at(X_WB, arm) = Pose{model::armBaseRotation(arm), toEigen(at(config.arms.rcm_W, arm))};
   training::TransitCollector collector(X_WB);
+  Tick now = 0;
   hands.setObserver([&](const grasp::Hands& h) {
     ModelState model;
+    model.tick = ++now;
+    model.pedal = 1;
     for (const Arm arm : kArms) {
       ArmState& state = at(model.arms, arm);
       h.world().jointState(arm, &state.q, &state.dq);

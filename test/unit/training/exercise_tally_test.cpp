@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -122,6 +123,20 @@ TEST(ExerciseTally, ATimerThatRanBeforeTheSessionHasNoSessionTick) {
   early.model.exercise.began = kFirstTick - 5;
   tally.add(early.model);
   EXPECT_EQ(tally.attempts()[0].began, -1);
+}
+
+/** Model ticks go on in a pause, session ticks do not. */
+TEST(ExerciseTally, APauseLeavesTheTimesOfAnAttemptAsTheyWere) {
+  ExerciseTally tally;
+  for (Tick k = 0; k < 2000; ++k) {
+    TickRecord record = makeTick(k, 1, k < 900 ? ExerciseStatus::kRunning : ExerciseStatus::kDone, 100);
+    if (k >= 900) record.model.exercise.ended = kFirstTick + 900;
+    const Tick paused = std::clamp<Tick>(k - 300, 0, 500) + std::clamp<Tick>(k - 1000, 0, 500);
+    record.model.session_tick = k - paused;
+    tally.add(record.model);
+  }
+  EXPECT_EQ(tally.attempts()[0].began, 100);
+  EXPECT_EQ(tally.attempts()[0].ended, 400);
 }
 
 TEST(ExerciseTally, AttemptsBeyondTheLongestListAreCounted) {

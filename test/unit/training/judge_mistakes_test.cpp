@@ -395,6 +395,24 @@ TEST(JudgeOrder, WhatWasSoFromTheStartIsNone) {
   EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 0U);
 }
 
+TEST(JudgeOrder, WhatWasSoAsTheTurnOfItsTrackCameIsNone) {
+  const ExerciseTrack second =
+      track({step({held(Hand::kGold, kBlockObject)}), step({around(kPegB, kBlockObject)}, 0.1)}, kBlockObject, 0);
+  Bench bench(Bench::with({track({step({around(kPegA)})}), second}, {rule(Mistake::kOutOfOrder)}));
+  bench.put(kBlockSlot, {-0.03, 0.0, 0.002});
+  bench.run(10);
+  bench.put(kRingSlot, {0.03, 0.0, 0.002});
+  bench.run(300);
+  ASSERT_EQ(bench.done(0), 1);
+  EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 0U);
+  // WHEN the block is taken away and put there again
+  bench.put(kBlockSlot, {0.0, 0.0, 0.1});
+  bench.run(10);
+  bench.put(kBlockSlot, {-0.03, 0.0, 0.002});
+  bench.run(300);
+  EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 1U);
+}
+
 TEST(JudgeOrder, WhatTheStepThatIsDoneAskedForIsNoMistakeAsTheNextBegins) {
   const ExerciseTrack track_of_three =
       track({step({when(K::kUntouched)}), step({held(Hand::kGreen)}), step({when(K::kUntouched)})});

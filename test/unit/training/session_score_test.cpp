@@ -391,6 +391,39 @@ TEST_F(SessionScoreTest, WhoseClutchesAreLongLetsGoForLonger) {
   }
 }
 
+/** A tick of two attempts of 15 s: a fault, and 600 ms later the pedal goes up for 2.1 s. Between the attempts it is up
+ * for 3 s. */
+TickRecord writeAnswered(session::LogWriter* writer, Tick k) {
+  const Tick own = k % 15'000;
+  TickRecord record = makeExerciseTick(k, k < 15'000 ? 1 : 2, ExerciseStatus::kRunning);
+  record.robot.connected = 1;
+  if (own >= kInjection && own < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+  const bool answers = own >= kInjection + 600 && own < kInjection + 2700;
+  record.model.pedal = answers || own < 500 || own >= 12'500 ? 0 : 1;
+  if (own == kInjection || own == kInjection + 400) {
+    FaultChangeRecord change;
+    change.tick = record.model.tick;
+    change.change.id = 1;
+    change.change.acts = own == kInjection ? 1 : 0;
+    writer->write(change);
+  }
+  return record;
+}
+
+TEST_F(SessionScoreTest, NeitherAnAnswerNorTheTimeBetweenAttemptsIsAClutch) {
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  begin();
+  for (Tick k = 0; k < 30'000; ++k)
+    writer_->write(writeAnswered(writer_.get(), k));
+  const SessionScore score = finish(settings);
+  ASSERT_EQ(score.hazards.size(), 2u);
+  for (const HazardScore& hazard : score.hazards) {
+    EXPECT_EQ(hazard.response.deciding.after, 600);
+    EXPECT_EQ(hazard.response.verdict, Verdict::kRight) << "at " << hazard.injection;
+  }
+}
+
 TEST_F(SessionScoreTest, AForceThatIsComputedEveryOtherTickIsFeltAllTheSame) {
   for (const Tick every : {1, 2}) {
     begin();

@@ -49,6 +49,25 @@ TEST(Transit, OfAShortCarryIsNone) {
   EXPECT_TRUE(carry(straightWay, 0).empty());
 }
 
+/** 20 mm of 100 mm are cut out, or are the model's alone, with the pedal up. */
+TEST(Transit, SkipsWhatIsNoMotionOfTheHand) {
+  for (const bool is_cut : {true, false}) {
+    TransitCollector collector({});
+    collector.add(makeEvent(ExerciseEventKind::kHeld, Hand::kGold));
+    for (Tick k = 0; k < 1000; ++k) {
+      ModelState model = makeRecord(k, straightWay(kTickSeconds * static_cast<double>(k))).model;
+      const bool is_part = k >= 400 && k < 600;
+      model.pedal = is_part ? 0 : 1;
+      if (!(is_part && is_cut)) collector.add(model);
+    }
+    collector.add(makeEvent(ExerciseEventKind::kReleased, Hand::kGold));
+    ASSERT_EQ(collector.transits().size(), 1u);
+    EXPECT_NEAR(collector.transits()[0].skipped, 0.020, 0.002) << is_cut;
+    const auto plan = [](const Transit&) { return std::vector<Vec3>{{0.0, 0.0, 0.0}, {0.025, 0.0, 0.0}}; };
+    EXPECT_NEAR(compare(collector.transits(), plan).ratio.value(), 0.025 / 0.047, 0.03) << is_cut;
+  }
+}
+
 TEST(Transit, StandsInTheWorld) {
   PerArm<Pose> X_WB;
   at(X_WB, Arm::kGreen).p = {0.0, 1.0, 0.0};
