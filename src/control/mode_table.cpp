@@ -70,6 +70,7 @@ constexpr Row kRows[] = {
     {Mode::kExecuting,      Event::kRepeatShown,      Mode::kTrialReady},
     // back to the robot, at any time
     {Mode::kPedalUp,        Event::kReturnWanted,     Mode::kReturning},
+    {Mode::kPlanning,       Event::kReturnWanted,     Mode::kReturning},
     {Mode::kTracking,       Event::kReturnWanted,     Mode::kReturning},
     {Mode::kPaused,         Event::kReturnWanted,     Mode::kReturning},
     {Mode::kReturning,      Event::kReturned,         Mode::kPedalUp},

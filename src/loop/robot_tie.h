@@ -40,6 +40,8 @@ class RobotTie {
   bool isReady() const noexcept { return is_ready_; }
   bool isThere() const noexcept { return is_fresh_ && is_ready_; }
   bool isNotReady() const noexcept { return is_fresh_ && !is_ready_; }
+  /** It searches its stops, or will. */
+  bool isUnhomed() const noexcept { return is_fresh_ && robot_.homed == 0; }
   bool isLost() const noexcept { return !isHeard() || is_silent_; }
   bool isStopped() const noexcept { return robot_.runlevel == RunLevel::kEStop; }
 

@@ -67,21 +67,21 @@ PlanResult PlanRun::run() {
   return result;
 }
 
-bool PlanRun::isRequestValid() const {
-  const JointArray& q = set_.request.start;
-  const JointSpace space(set_.raven.arms.geometry, kinematics::jawOpening(q));
-  return isFinite(q) && isFinite(set_.request.other) && space.contains(space.toUnit(q), kStartSlack);
+bool PlanRun::isWithinLimits(Arm arm) const {
+  const JointSpace space(set_.raven.arms.geometry, kinematics::jawOpening(startOf(arm)));
+  return space.contains(space.toUnit(startOf(arm)), kStartSlack);
 }
 
 /** The arm asked for, or the better of both; with it start_, goal_, space_ and what may touch. */
 PlanStatus PlanRun::choose() {
   const Stopwatch watch(&statistics_.goal_time);
-  if (!isRequestValid()) return PlanStatus::kInvalidStart;
+  if (!isFinite(set_.request.start) || !isFinite(set_.request.other)) return PlanStatus::kInvalidStart;
   PerArm<ArmProspect> prospects;
   for (const Arm arm : kArms) {
     if (arm == arm_ || set_.request.choose_arm != 0) at(prospects, arm) = prospect(arm);
   }
   if (set_.request.choose_arm != 0) arm_ = chooseArm(arm_, prospects);
+  if (!isWithinLimits(arm_)) return PlanStatus::kInvalidStart;
   const ArmProspect chosen = at(prospects, arm_);
   if (set_.is_late() && chosen.goal.status != PlanStatus::kSuccess) return PlanStatus::kTimeLimit;
   if (!chosen.may_start) return PlanStatus::kStartInCollision;

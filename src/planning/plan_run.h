@@ -52,7 +52,7 @@ class PlanRun {
   const JointArray& startOf(Arm arm) const;
   const JointArray& otherOf(Arm arm) const;
 
-  bool isRequestValid() const;
+  bool isWithinLimits(Arm arm) const;
   ArmProspect prospect(Arm arm);
   GoalChoice goalOf(Arm arm, const JointSpace& space, const UnitState& start);
   PlanStatus choose();

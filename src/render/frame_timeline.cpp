@@ -72,7 +72,9 @@ void FrameTimeline::add(const HapticRecord& record) {
   if (slot != nullptr && record.haptic.tick > slot->haptic.tick) slot->haptic = record.haptic;
 }
 
+/** A request that was refused leaves what there was. The mode's state says why, as in the live picture. */
 void FrameTimeline::add(const PlanRecord& record) {
+  if (record.refused != 0) return;
   news_.push_back({record.tick, std::make_shared<const PlanResult>(record.result), nullptr});
 }
 

@@ -53,7 +53,7 @@ std::string outcome(const PlanNews& plans) {
   return has_report ? executionOutcome(*plans.execution) : "";
 }
 
-/** The plan that is kept may be older than the newest answer, if that was a refusal. */
+/** Of the plan that is kept. */
 std::string readiness(const PlanNews& plans, std::uint32_t plan) {
   const bool has_report = plans.execution && plans.execution->plan == plan;
   return has_report ? executionOutcome(*plans.execution) : "ready";

@@ -48,7 +48,7 @@ struct Scene {
 
 /** Results of plans so far. Cheap to copy: many frames share the same answers and reports. */
 struct PlanNews {
-  std::shared_ptr<const PlanResult> answer;          ///< newest of the planner, or refusal; null none
+  std::shared_ptr<const PlanResult> answer;          ///< newest of the planner; null none
   std::shared_ptr<const PlanResult> path;            ///< newest answer that is a path; null none
   std::shared_ptr<const ExecutionReport> execution;  ///< newest; null none
 

@@ -7,10 +7,11 @@ void Activity::enter(Mode /*before*/) noexcept {
   stage_.arms.rebase();
 }
 
-/** A robot that is not ready searches its stops, wherever that leads: the model passes through everything until then.
- */
+/** A robot that is not homed searches its stops, wherever that leads: a model that follows it passes through everything
+ *  until then. */
 void Activity::move() noexcept {
-  stage_.arms.prepare(traitsOf(mode()).world == WorldMotion::kPasses);
+  const bool homes = stage_.robot.isUnhomed() && followsRobot();
+  stage_.arms.prepare(homes || traitsOf(mode()).world == WorldMotion::kPasses);
   PerArm<JointArray> target = stage_.arms.wanted();
   lead(&target);
   stage_.arms.drive(target, &stage_.state);

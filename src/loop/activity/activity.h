@@ -38,6 +38,8 @@ class Activity {
 
   /** The controllers' set points [rad; m], where they differ from where the arms shall be. */
   virtual void lead(PerArm<JointArray>* /*target*/) noexcept {}
+  /** The arms go wherever a robot goes that is connected. */
+  virtual bool followsRobot() const noexcept { return traitsOf(mode()).follows_robot; }
   void followRobot(PerArm<JointArray>* target) noexcept;
   /** The hands move both arms. */
   void aimByHand() noexcept;

@@ -48,7 +48,7 @@ void Camera::tick() noexcept {
 }
 
 void Camera::lead(PerArm<JointArray>* target) noexcept {
-  if (!stage_.arms.isApart()) followRobot(target);
+  if (followsRobot()) followRobot(target);
 }
 
 }  // namespace raven2_trainer::loop

@@ -18,6 +18,7 @@ class Camera final : public Activity {
 
  private:
   void lead(PerArm<JointArray>* target) noexcept override;
+  bool followsRobot() const noexcept override { return !stage_.arms.isApart(); }
 
   control::CameraOrbit orbit_;
   Mode from_{Mode::kPedalUp};  ///< what the mode was before

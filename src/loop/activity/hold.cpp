@@ -9,7 +9,7 @@ void Hold::supervise() noexcept {
 }
 
 void Hold::lead(PerArm<JointArray>* target) noexcept {
-  if (traitsOf(mode()).follows_robot) followRobot(target);
+  if (followsRobot()) followRobot(target);
 }
 
 /** The robot is sent pedal-up in this tick, and until the stop is cleared: ITP has no more than that. */

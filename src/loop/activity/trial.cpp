@@ -22,8 +22,10 @@ PlanningAnswer Trial::request(const Request& request) noexcept {
   }
 }
 
+/** Where it begins, the robot must be, too: a robot that came in this very tick may be elsewhere. */
 PlanningAnswer Trial::begin() noexcept {
-  const PlanningAnswer answer = stage_.mayBegin() ? ask(Event::kTrialWanted) : PlanningAnswer::kNotNow;
+  const bool may_begin = stage_.mayBegin() && !stage_.mustReturn();
+  const PlanningAnswer answer = may_begin ? ask(Event::kTrialWanted) : PlanningAnswer::kNotNow;
   if (answer != PlanningAnswer::kAccepted) return answer;
   const bool has_robot = stage_.robot.isThere();
   if (!has_robot) stage_.arms.keepOpenings();  // it was away before, and what its jaws hold now they shall hold again

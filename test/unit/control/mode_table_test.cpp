@@ -42,6 +42,7 @@ const std::multimap<std::string, std::pair<std::string, std::string>> kChanges{
     {"planning", {"plan_cancelled", "pedal_up"}},
     {"planning", {"pedal_pressed", "teleoperating"}},
     {"planning", {"time_slip", "paused"}},
+    {"planning", {"return_wanted", "returning"}},
     {"tracking", {"pedal_pressed", "teleoperating"}},
     {"tracking", {"plan_requested", "planning"}},
     {"tracking", {"goal_wanted", "choosing"}},

@@ -836,6 +836,86 @@ TEST_F(LoopBench, AReplayBeginsWithWhatThereIsAndEndsWithIt) {
   expectStood("until the first frame of the next one comes");
 }
 
+// ---- a robot that comes while the model is away ------------------------------------------------------------------
+
+TEST_P(EitherArm, OfTheModelGoesBackBeforeAPressDuringAPlanCounts) {
+  robot.connected = 0;
+  MasterCommand forward = pressed();
+  at(forward.dp_I, arm()) = {20e-6, 0.0, -10e-6};
+  repeat(forward, 400);  // the model alone
+  rest(100);
+  ASSERT_EQ(ask(RequestKind::kPlan), PlanningAnswer::kAccepted);
+  robot.connected = 1;
+  rest(3);
+  ASSERT_EQ(mode(), Mode::kPlanning);
+  Vec3 before = armState(arm()).p_BT;
+  ASSERT_GT(apart(before, at(robot.arms, arm()).p_BT), 5e-3);
+  double largest = 0.0;
+  for (int i = 0; i < 3000 && mode() != Mode::kTeleoperating; ++i) {
+    press(1);
+    largest = std::max(largest, apart(armState(arm()).p_BT, before));
+    before = armState(arm()).p_BT;
+  }
+  EXPECT_EQ(mode(), Mode::kTeleoperating);
+  EXPECT_EQ(model().linked, 1);
+  EXPECT_LT(largest, 0.5e-3) << "the model does not jump";
+  EXPECT_EQ(model().planning.status, PlanningStatus::kIdle) << "the pedal gave the plan up";
+}
+
+TEST_P(EitherArm, OfTheModelGoesBackBeforeATrialBegins) {
+  robot.connected = 0;
+  MasterCommand forward = pressed();
+  at(forward.dp_I, arm()) = {20e-6, 0.0, -10e-6};
+  repeat(forward, 400);  // the model alone
+  rest(100);
+  ASSERT_EQ(mode(), Mode::kPedalUp);
+  robot.connected = 1;
+  EXPECT_EQ(ask(RequestKind::kBeginTrial), PlanningAnswer::kNotNow) << "in the very tick in which the robot comes";
+  EXPECT_EQ(mode(), Mode::kReturning);
+  ASSERT_TRUE(waitFor(Mode::kPedalUp));
+  EXPECT_EQ(ask(RequestKind::kBeginTrial), PlanningAnswer::kAccepted);
+}
+
+TEST_P(EitherArm, PassesThroughTheSceneWithARobotThatHomesWhateverTheMode) {
+  for (const bool moves_camera : {false, true}) {
+    begin();
+    obeys = true;
+    robot.connected = 0;
+    MasterCommand down = pressed();
+    at(down.dp_I, arm()) = {0.0, 0.0, 80e-6};
+    for (int i = 0; i < 900 && armState(arm()).contacts == 0; ++i)
+      tick(down);
+    ASSERT_GT(armState(arm()).contacts, 0U);
+    repeat(down, 50);
+    const JointArray deep = armState(arm()).q_d;
+    rest(3);
+    ASSERT_EQ(mode(), Mode::kPedalUp);
+    // another robot, which searches its stops where the scene is
+    obeys = false;
+    robot.connected = 1;
+    robot.homed = 0;
+    robot.runlevel = RunLevel::kInit;
+    at(robot.arms, arm()).q = deep;
+    rest(1);
+    std::uint32_t touched = armState(arm()).contacts;
+    if (moves_camera) ask(RequestKind::kSetCameraPedal, [](Request* r) { r->enabled = 1; });
+    ASSERT_EQ(mode(), moves_camera ? Mode::kCameraMoving : Mode::kPedalUp);
+    for (int i = 0; i < 100; ++i) {
+      rest(1);
+      touched += armState(arm()).contacts;
+    }
+    EXPECT_EQ(touched, 0U);
+    // homed, it is met again
+    robot.homed = 1;
+    robot.runlevel = RunLevel::kPedalUp;
+    for (int i = 0; i < 20; ++i) {
+      rest(1);
+      touched += armState(arm()).contacts;
+    }
+    EXPECT_GT(touched, 0U);
+  }
+}
+
 // ---- stops and homing --------------------------------------------------------------------------------------------
 
 TEST_F(LoopBench, TwoStopsAreClearedOneByOneInEitherOrder) {

@@ -569,6 +569,23 @@ TEST_F(PathPlannerTest, AnArmThatStandsBeyondItsLimitsIsNotChosen) {
   }
 }
 
+TEST_F(PathPlannerTest, TheOtherArmIsChosenIfTheAskedOneStandsBeyondItsLimits) {
+  const model::SceneModel scene = test::scene({});
+  PathPlanner planner(raven_, scene, config_);
+  for (const Arm asked : kArms) {
+    PlanRequest request = overTheWall();
+    request.arm = asked;
+    request.choose_arm = 1;
+    request.goal_W = {0.0, asked == Arm::kGold ? -0.03 : 0.03, 0.05};
+    request.start[kInsertion] = 0.57;
+    const PlanResult result = planner.plan(request, 1, true, kGoOn);
+    EXPECT_EQ(result.status, PlanStatus::kSuccess) << name(asked);
+    EXPECT_EQ(result.arm, otherArm(asked));
+    request.goal_W = {0.0, 0.0, 1.0};
+    EXPECT_EQ(planner.plan(request, 1, true, kGoOn).status, PlanStatus::kInvalidStart) << "neither can go";
+  }
+}
+
 TEST_F(PathPlannerTest, AStartALittleBeyondALimitIsWhereThePathBegins) {
   // GIVEN an arm that settled a thousandth of a joint's range beyond one of its limits: this is less than kStartSlack
   const model::SceneModel scene = test::scene({});

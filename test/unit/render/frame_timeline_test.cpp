@@ -187,6 +187,19 @@ TEST(FrameTimeline, NewsOfPlansComeWithTheTickThatHeardOfThem) {
   EXPECT_EQ(frames[2].plans.path.get(), frames[5].plans.path.get()) << "all frames share one copy";
 }
 
+TEST(FrameTimeline, ARequestThatWasRefusedIsNoNewsOfPlans) {
+  FrameTimeline timeline(100, 0.0, -1.0);
+  timeline.add(answerAt(10, 1, PlanStatus::kSuccess));
+  PlanRecord refusal = answerAt(20, 2, PlanStatus::kCancelled);
+  refusal.refused = 1;
+  timeline.add(refusal);
+  addTicks(40, &timeline);
+  const auto frames = timeline.frames({});
+  ASSERT_EQ(frames.size(), 4U);
+  ASSERT_TRUE(frames[3].plans.answer);
+  EXPECT_EQ(frames[3].plans.answer->id, 1U) << "a second request while a plan is executed does not cancel the first";
+}
+
 TEST(FrameTimeline, NewsOfPlansMayComeInAnyOrder) {
   FrameTimeline timeline(100, 0.0, -1.0);
   addTicks(40, &timeline);
