@@ -67,6 +67,7 @@ void writeErrors(plant::MotorReplay* replay, const Options& options, std::size_t
     for (const std::size_t horizon : options.horizons)
       writeRow(&file, replay->recording(), row, horizon, path[horizon - 1]);
   }
+  if (!file.flush()) throw ConfigException(options.output + ": cannot be written");
 }
 
 int replayAll(Options options) {

@@ -41,7 +41,8 @@ bool observe(Loops* loops, double seconds, const std::string& label) {
 }
 
 void write(const std::string& path, const nlohmann::ordered_json& json) {
-  if (!path.empty() && !(std::ofstream(path) << json.dump(2) << '\n')) throw Exception(path + ": cannot be written");
+  if (!path.empty() && !(std::ofstream(path) << json.dump(2) << '\n' << std::flush))
+    throw Exception(path + ": cannot be written");
 }
 
 constexpr std::array kLoops{LoopId::kPhysics, LoopId::kHaptic};

@@ -139,8 +139,10 @@ Impairment loadImpairment(const std::string& path) {
 }
 
 std::string impairmentFolder(const std::string& root) {
-  const fs::path own = fs::path(root).parent_path() / "impairments";
-  return !root.empty() && fs::is_directory(own) ? own.string() : shareFolder() + "/config/impairments";
+  const std::string packaged = shareFolder() + "/config/impairments";
+  if (root.empty()) return packaged;
+  const fs::path own = fs::path(root).parent_path() / Section::fromFile(root).text("impairments");
+  return fs::is_directory(own) ? own.string() : packaged;
 }
 
 std::vector<std::string> impairmentNames(const std::string& folder) {

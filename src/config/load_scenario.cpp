@@ -69,6 +69,8 @@ void readForgery(Section& root, Fault* fault) {
 }
 
 void readImpairment(Section& root, const std::vector<std::string>& names, Fault* fault) {
+  if (names.empty())
+    throw ConfigException(root.where("value") + " is an impairment, but the folder of impairments is empty or missing");
   const std::string name = root.text("value", names);
   fault->value = static_cast<double>(std::find(names.begin(), names.end(), name) - names.begin());
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -111,6 +112,7 @@ class Simulation::Recording {
             std::filesystem::absolute(options.output))),  // a later chdir changes nothing
         meta_(recording::startMeta("python", RAVEN2_TRAINER_VERSION, labelOf(options))),
         recorder_(config, stack->bodyNames(), paths_, labelOf(options), stack->shared()) {
+    writeMeta("unknown: not ended cleanly");  // also of a session that is killed
     if (options.motion != kCommands) return;
     commands_file_.open(paths_.directory + "/commands.csv");
     if (!commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
@@ -124,13 +126,19 @@ class Simulation::Recording {
     if (commands_) commands_file_.close();
     recorder_.drain();  // the counts include it
     recorder_.finish(stack_.counts());
-    meta_.realtime = "lockstep";
-    session::writeMeta(paths_, meta_, config_);
+    writeMeta("lockstep");
     recording::finishSession(paths_);
     if (commands_ && !commands_file_) throw SessionException(paths_.directory + "/commands.csv cannot be written");
   }
 
  private:
+  void writeMeta(const char* realtime) {
+    meta_.wall_duration = std::chrono::duration<double>(std::chrono::steady_clock::now() - started_).count();
+    meta_.realtime = realtime;
+    session::writeMeta(paths_, meta_, config_);
+  }
+
+  const std::chrono::steady_clock::time_point started_{std::chrono::steady_clock::now()};
   const TrainerConfig& config_;
   lockstep::LockstepStack& stack_;
   const session::SessionPaths paths_;

@@ -49,8 +49,10 @@ std::string combinedHash(const TrainerConfig& config) {
 std::vector<std::string> configurationFiles(const TrainerConfig& config) {
   std::vector<std::string> files = config.files;
   std::error_code none;
-  for (const auto& plant : std::filesystem::directory_iterator(config.virtual_raven.plants_folder, none))
-    files.push_back(plant.path().string());  // the packaged files name one, whichever was chosen
+  for (const auto& plant : std::filesystem::directory_iterator(config.virtual_raven.plants_folder, none)) {
+    const bool is_plant = plant.path().extension() == ".yaml" && plant.is_regular_file(none);
+    if (is_plant) files.push_back(plant.path().string());  // the packaged files name one, whichever was chosen
+  }
   std::sort(files.begin() + static_cast<std::ptrdiff_t>(config.files.size()), files.end());
   for (const std::string& urdf : {config.robot_urdf, config.scene_urdf}) {
     files.push_back(urdf);
@@ -74,7 +76,7 @@ std::map<std::string, std::string> placesOf(const TrainerConfig& config) {
   return places;
 }
 
-/** The camera that the metric out_of_view asks for (config/render.yaml: the first). */
+/** The camera that the metric out_of_view asks for (config/render.yaml: that of the live picture). */
 session::HeaderCamera scoredCamera(const RenderConfig& render) {
   if (render.cameras.empty()) return {};
   const CameraConfig& camera = liveCamera(render);

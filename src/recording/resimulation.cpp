@@ -31,6 +31,11 @@ void push(SpscRing<T, Capacity>* ring, const T& element, Tick tick) {
                          " elements of one kind: it cannot be simulated again");
 }
 
+/** Of a session whose hands did what a program commanded: no plan was scheduled, whatever runtime.yaml says. */
+bool isOfCommands(const std::string& motion) {
+  return motion == "commands" || motion.rfind("commands over ", 0) == 0;
+}
+
 std::string nameOf(const ExerciseRecord& record) {
   return kExerciseEventNames[static_cast<std::size_t>(record.event.kind)];
 }
@@ -55,6 +60,7 @@ TrainerConfig sessionConfig(const session::SessionPaths& paths) {
   config.seed = header.seed;
   config.console.scale = header.motion_scale;
   config.model.arm_contacts = header.arm_contacts;
+  if (isOfCommands(header.motion)) config.runtime.plan_at = -1.0;
   return config;
 }
 

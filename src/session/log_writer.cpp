@@ -58,6 +58,15 @@ struct LogWriter::Impl {
     fail("is being written by another program");
   }
 
+  /** Whether another writer has a log of this name. Both may have found the folder empty. */
+  bool isTaken() const noexcept {
+    const int other = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    if (other < 0) return false;
+    const bool taken = ::flock(other, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    ::close(other);
+    return taken;
+  }
+
   /** Header and lock are in place when the log gets its name: nobody ever sees one without. */
   void create(const std::string& json) {
     std::error_code none;
@@ -66,10 +75,11 @@ struct LogWriter::Impl {
     if (!file.create(first)) fail("cannot be created", file.error());
     takeLock(first);
     writeHeader(json);
-    const bool written = commit() && (is_device || file.rename(path));
+    const bool is_taken = !is_device && isTaken();
+    const bool written = !is_taken && commit() && (is_device || file.rename(path));
     if (written) return;
     if (!is_device) ::unlink(first.c_str());
-    fail("cannot be written", file.error());
+    is_taken ? fail("is being written by another program") : fail("cannot be written", file.error());
   }
 
   [[noreturn]] void fail(const std::string& what, int error = 0) const {

@@ -9,9 +9,12 @@
 #include <fstream>
 #include <set>
 #include <sstream>
+#include <utility>
 #include <vector>
 
 #include "drill/drill.h"
+#include "raven2_trainer/config/load_config.h"
+#include "raven2_trainer/console/commands_file.h"
 #include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/core/fault_variables.h"
@@ -381,6 +384,25 @@ TEST_F(ResimulationTest, FindsTheConfigurationInTheSessionItself) {
   EXPECT_FALSE(recording::Resimulation(found, own, "").run({}).difference);
   std::ofstream(own.directory + "/configuration/config/model.yaml", std::ios::app) << "# changed\n";
   EXPECT_THROW(recording::sessionConfig(own), SessionException);
+}
+
+TEST_F(ResimulationTest, PlansNothingInASessionOfCommandsWhateverItsConfigurationSays) {
+  TrainerConfig commanded = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", {},
+                                                      {{"runtime/plan_at", "0.1", "a parameter"}});
+  raven2_trainer::testing::homeQuickly(&commanded);
+  commanded.hazard = "none";
+  commanded.runtime.plan_at = -1.0;  // as simulate and a Python session do
+  console::HandsCommand up, down;
+  down.pedal = true;
+  std::vector<console::CommandRow> rows{{4000, up}, {300, down}, {300, up}};
+  const session::SessionPaths own = session::createSessionDirectory((folder / "commanded").string());
+  {
+    Lockstep lockstep(commanded, console::makeCommanded(commanded.console, {}, std::move(rows)), own, "commands");
+    ASSERT_TRUE(lockstep.run(30.0, {}, Lockstep::End::kAtOnce));
+    ASSERT_GT(lockstep.view().model.session_tick, 400) << "the pedal is up, and the plan would be due";
+  }
+  const auto difference = recording::Resimulation(recording::sessionConfig(own), own, "").run({}).difference;
+  EXPECT_FALSE(difference) << difference->field;
 }
 
 TEST_F(ResimulationTest, OfASessionOfAnotherModelIsRefusedInASentence) {

@@ -58,6 +58,15 @@ def test_what_cannot_be_done_is_said_in_one_line(command, tmp_path, monkeypatch)
     assert re.search(r"nowhere|no_such_\w+", told[0])
 
 
+def test_a_file_that_a_full_disk_does_not_take_is_told(tmp_path):
+    motors = tmp_path / "motors.csv"
+    motors.write_text("mpos1_deg,mpos2_deg,mpos3_deg,dac1,dac2,dac3\n" + "180,360,-90,0,0,0\n" * 300, encoding="utf-8")
+    for command in (["plant_replay", motors, "--horizons", 10, "--stride", 50, "--output", "/dev/full"],
+                    ["timing_check", "--bare", "--calibrate", 1, "--json", "/dev/full"]):
+        code, told = run(*command)
+        assert code == NOT_DONE and "/dev/full" in told[-1]
+
+
 def test_one_of_several_sessions_that_cannot_be_drawn(tmp_path):
     assert run("render_session", tmp_path)[0] == NOT_DONE
 

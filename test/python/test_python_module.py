@@ -1,6 +1,7 @@
 """The module raven2_trainer: simulations and kinematics for programs (doc/python.md)."""
 
 import copy
+import json
 import os
 import pathlib
 import pickle
@@ -210,6 +211,19 @@ def test_a_recorded_simulation_has_the_bytes_of_simulate(tmp_path):
         while simulation.state.session_tick + 1 < 2000:
             simulation.step()
     assert (tmp_path / "python/session.rlog").read_bytes() == (tmp_path / "program/session.rlog").read_bytes()
+
+
+def test_a_recorded_simulation_has_its_start_time_from_the_start_and_its_duration_at_the_end(tmp_path):
+    def meta():
+        return json.loads((tmp_path / "session/meta.json").read_text())
+
+    simulation = raven2_trainer.Simulation(robot="none", output=tmp_path / "session")
+    begun = meta()
+    simulation.step(ticks=100)
+    simulation.close()
+    assert (begun["program"], begun["realtime"]) == ("python", "unknown: not ended cleanly")
+    assert meta()["start_time_utc"] == begun["start_time_utc"] and meta()["realtime"] == "lockstep"
+    assert meta()["wall_duration_s"] > begun["wall_duration_s"] >= 0
 
 
 def test_motion_to_joint_set_points_is_spread_over_the_ticks(tmp_path):

@@ -17,8 +17,8 @@ Impairment loadImpairment(const std::string& path);
  */
 Impairment findImpairment(const std::string& folder, const std::string& name);
 
-/** Folder of the presets next to a root file like config/trainer.yaml; the packaged one without a root file, or if it
- *  has no such folder. */
+/** Folder of the presets that a root file like config/trainer.yaml names; the packaged one without a root file, or if
+ *  there is no such folder. @throw ConfigException for a root file that cannot be read. */
 std::string impairmentFolder(const std::string& root);
 
 /** Names of the presets in a folder, sorted. */

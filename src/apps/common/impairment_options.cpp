@@ -86,12 +86,14 @@ void ImpairmentOptions::add(CLI::App* app) {
   app->add_flag("--overtaking", overtaking, "Let jitter change the order of packets");
   app->add_option("--duplicate", duplicate, "Share of packets that arrive twice")->check(share);
   app->add_option("--reorder", reorder, "Share of packets that arrive after up to three later ones")->check(share);
-  app->add_option("--corrupt-bits", corrupt_bits, "Number of bits flipped in a corrupted packet; UDP only")
+  app->add_option("--corrupt-bits", corrupt_bits,
+                  "Number of bits flipped in a corrupted packet, UDP only; 0: no corruption")
       ->check(CLI::Range(0, 64));
   app->add_option("--corrupt-share", corrupt_share, "Share of packets corrupted, with --corrupt-bits")
       ->capture_default_str()
       ->check(share);
-  app->add_option("--rate-kbit", rate_kbit, "Bandwidth [kbit/s]; ITP at 1 kHz needs 1216")->check(CLI::Range(0.0, 1e7));
+  app->add_option("--rate-kbit", rate_kbit, "Bandwidth [kbit/s], 0: no limit; ITP at 1 kHz needs 1216")
+      ->check(CLI::Range(0.0, 1e7));
   app->add_option("--cut", cut, "EVERY,LENGTH: cut the link every EVERY s for LENGTH s")->delimiter(',')->expected(2);
   app->add_option("--outage", outage, "FROM,TO: cut the link once, in seconds from the start; may be repeated")
       ->delimiter(',')
@@ -106,7 +108,8 @@ void ImpairmentOptions::replaceIn(Impairment* c) const {
   if (jitter_ms >= 0.0) c->delay.uniform_ns = std::llround(jitter_ms * 1e6);
   if (overtaking) c->delay.overtaking = true;
   if (corrupt_bits > 0) c->corruption = {corrupt_share, corrupt_bits, false};
-  if (rate_kbit > 0.0) c->rate.bits_per_s = 1e3 * rate_kbit;
+  if (corrupt_bits == 0) c->corruption = {};
+  if (rate_kbit >= 0.0) c->rate.bits_per_s = 1e3 * rate_kbit;
   if (burst.size() == 2) {
     for (const double p : burst)
       demand("--burst", p, 0.0, 1.0);

@@ -25,9 +25,9 @@ struct ImpairmentOptions {
   double delay_ms{-1.0}, jitter_ms{-1.0};             ///< [ms]
   bool overtaking{false};                             ///< jitter may change the order
   std::vector<double> burst, runs, cut, outage;       ///< pairs
-  int corrupt_bits{0};
+  int corrupt_bits{-1};
   double corrupt_share{0.01};
-  double rate_kbit{0.0};
+  double rate_kbit{-1.0};
 
   void add(CLI::App* app);
   /** @throw ConfigException. */

@@ -40,6 +40,17 @@ TEST(ImpairmentOptions, SingleValuesReplaceThoseOfTheProfileInBothDirections) {
   }
 }
 
+TEST(ImpairmentOptions, AZeroSwitchesOffWhatTheProfileDoes) {
+  ASSERT_GT(impairmentByName("worst").corruption.probability, 0.0);
+  ASSERT_GT(impairmentByName("worst").rate.bits_per_s, 0.0);
+  const auto link = parsed("--udp 1:h:2 --profile worst --corrupt-bits 0 --rate-kbit 0").links[0];
+  EXPECT_EQ(link.forward.corruption.probability, 0.0);
+  EXPECT_EQ(link.forward.rate.bits_per_s, 0.0);
+  const auto as_it_is = parsed("--udp 1:h:2 --profile worst").links[0];
+  EXPECT_GT(as_it_is.forward.corruption.probability, 0.0);
+  EXPECT_GT(as_it_is.forward.rate.bits_per_s, 0.0);
+}
+
 TEST(ImpairmentOptions, AProfileOfItsOwnForTheWayBackIsLeftAsItIs) {
   const auto link = parsed("--udp 1:h:2 --back-profile none --loss 0.3").links[0];
   EXPECT_EQ(link.forward.loss, 0.3);

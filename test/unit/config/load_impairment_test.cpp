@@ -120,6 +120,21 @@ TEST_F(LoadImpairment, AnUnknownPresetNamesTheKnownOnes) {
   }
 }
 
+TEST_F(LoadImpairment, TheFolderIsTheOneThatTheRootFileNames) {
+  const fs::path folder = fs::temp_directory_path() / ("raven2_presets_" + std::to_string(getpid()));
+  fs::create_directories(folder / "impairments");
+  fs::create_directories(folder / "links");
+  const std::string root = (folder / "trainer.yaml").string();
+  const auto named = [&](const std::string& name) {
+    std::ofstream(root) << "impairments: " << name << "\n";
+    return impairmentFolder(root);
+  };
+  EXPECT_EQ(named("impairments"), (folder / "impairments").string());
+  EXPECT_EQ(named("links"), (folder / "links").string());
+  EXPECT_EQ(named("nowhere"), impairmentFolder("")) << "the packaged one";
+  fs::remove_all(folder);
+}
+
 /** An outage must end later than it begins. */
 TEST_F(LoadImpairment, AnOutageEndsLaterThanItBegins) {
   for (const char* to : {"2.5", "3", "0"})

@@ -95,9 +95,10 @@ TEST(Overrides, OfKeysThatThereAreNotAreErrors) {
 }
 
 TEST(Overrides, OfWhatIsReadHeardOrArmedAreRefused) {
-  for (const char* key : {"haptics", "faults", "robot_urdf", "network/bind_address", "network/auth", "network/key_file",
-                          "network/allow_plaintext_remote", "runtime/enable_remote_control", "runtime/flight_recorder",
-                          "injection/enable", "injection/real_robot", "virtual_raven/plant"}) {
+  for (const char* key :
+       {"haptics", "faults", "robot_urdf", "network/bind_address", "network/auth", "network/key_file", "network/stream",
+        "network/allow_plaintext_remote", "runtime/enable_remote_control", "runtime/flight_recorder",
+        "injection/enable", "injection/real_robot", "virtual_raven/plant"}) {
     const std::string message = refusal(key, "true");
     EXPECT_EQ(message.find("unknown key"), std::string::npos) << message;
     EXPECT_NE(message.find(std::string("ROS parameter /node/") + key + ": " + key), std::string::npos) << message;
@@ -107,7 +108,8 @@ TEST(Overrides, OfWhatIsReadHeardOrArmedAreRefused) {
 /** A key that is removed or renamed in its file must not become one that anybody may set. */
 TEST(Overrides, EveryKeyThatIsTheFilesAloneIsInItsFile) {
   for (const auto& [part, keys] : std::vector<std::pair<std::string, std::vector<std::string>>>{
-           {"network", {"bind_address", "master_address", "auth", "ingest", "key_file", "allow_plaintext_remote"}},
+           {"network",
+            {"bind_address", "master_address", "auth", "ingest", "key_file", "stream", "allow_plaintext_remote"}},
            {"runtime", {"flight_recorder", "enable_remote_control"}},
            {"injection", {"enable", "real_robot"}},
            {"virtual_raven", {"plant"}}}) {

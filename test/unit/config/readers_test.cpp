@@ -168,6 +168,19 @@ TEST(ReadFault, ActsOnTheArmThatItNames) {
     EXPECT_EQ(faultOf(row("stuck_at", arm, "800")).arm, number) << arm;
 }
 
+TEST(ReadFault, AnImpairmentIsOneOfTheFolder) {
+  const auto read = [](const std::vector<std::string>& impairments) {
+    Section section = Section::fromText(
+        "host: relay\nsite: network_layer\nvariable: packet\nkind: impair\nvalue: wan\n"
+        "start: {trigger: pedal_down, first_tick: 0}\nduration_ticks: 0\n",
+        "ROW");
+    return readFault(section, 1, impairments);
+  };
+  EXPECT_EQ(read({"net_loss_10", "wan"}).value, 1.0);
+  EXPECT_THROW(read({"net_loss_10"}), ConfigException);
+  EXPECT_THROW(read({}), ConfigException) << "the folder is empty, or its name is mistyped";
+}
+
 TEST(ReadFault, AFactorIsBoundedOnBothSides) {
   for (const char* good : {"-1e6", "0", "1e6"})
     EXPECT_NO_THROW(faultOf(row("scale", "gold", good))) << good;

@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <filesystem>
 #include <utility>
@@ -223,11 +224,25 @@ TEST_F(RecorderTest, TheCopyOfTheConfigurationHoldsWhatParametersOverride) {
   }
 }
 
+TEST_F(RecorderTest, OfTheFolderOfPlantsItCopiesThePlantsAlone) {
+  const fs::path plants = fs::path(paths.directory) / "plants";
+  fs::create_directories(plants / "old");
+  fs::copy(config.virtual_raven.plants_folder + "/worn_tool.yaml", plants / "mine.yaml");
+  fs::create_symlink("somebody@somewhere", plants / ".#mine.yaml");  // an editor's lock
+  config.virtual_raven.plants_folder = plants.string();
+  const session::LogHeader header = logHeader(config, {}, "", paths);
+  const auto is_mine = [](const session::ConfigurationFile& file) {
+    return fs::path(file.path).filename() == "mine.yaml";
+  };
+  EXPECT_EQ(std::count_if(header.configuration.begin(), header.configuration.end(), is_mine), 1);
+}
+
 /** A process whose ROS master hangs leaves without destructors: its log must be read as the whole one that it is. */
 TEST_F(RecorderTest, AFinishedLogNeedsNoFlightRecorder) {
   session::FlightRecorder flight("/dev/shm");
   if (flight.description().rfind("none", 0) == 0) GTEST_SKIP() << flight.description();
   const auto queues = std::make_unique<SharedState>(flight.rings());
+  recorder.reset();
   Recorder with_flight(config, {}, paths, "", queues.get(), &flight);
   queues->tick_records.tryPush(TickRecord{});
   ASSERT_TRUE(fs::exists(flight.description()));
@@ -247,6 +262,7 @@ TEST_F(RecorderTest, ALogThatCannotBeFinishedKeepsItsFlightRecorder) {
     if (flight.description().rfind("none", 0) == 0) GTEST_SKIP() << flight.description();
     file = flight.description();
     const auto surviving = std::make_unique<SharedState>(flight.rings());
+    recorder.reset();
     Recorder with_flight(config, {}, paths, "", surviving.get(), &flight);
     limitFileSize(1);
     EXPECT_THROW(with_flight.finish(sharedCounts(*surviving)), SessionException);

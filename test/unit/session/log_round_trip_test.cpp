@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "log_file.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
@@ -260,6 +262,21 @@ TEST(SessionLog, RefusesRecordsAfterItsLast) {
 
 TEST(SessionLog, RefusesAFileThatCannotBeCreated) {
   EXPECT_THROW(LogWriter(scratchPath("no_such_folder") + "/session.rlog", LogHeader{}), SessionException);
+}
+
+TEST(SessionLog, OfALivingWriterIsNotReplacedByAnother) {
+  const std::string path = scratchPath("two_writers.rlog");
+  LogHeader header;
+  header.seed = 1;
+  LogWriter log(path, header);
+  header.seed = 2;
+  EXPECT_THROW(LogWriter(path, header), SessionException);
+  log.write(TickRecord{});
+  log.finish({});
+  const LogSummary summary = readLog(path, {});
+  EXPECT_EQ(summary.header.seed, 1U);
+  EXPECT_EQ(summary.records, 2U);
+  EXPECT_FALSE(std::filesystem::exists(path + ".new")) << "nothing of the other one is left";
 }
 
 TEST(SessionLog, SaysSoWhenTheDiskIsFull) {
