@@ -2,7 +2,7 @@
 
 set -u
 ROOT=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-BUILD=${RAVEN2_TRAINER_BUILD:-$ROOT/build}
+BUILD=$(realpath -ms "${RAVEN2_TRAINER_BUILD:-$ROOT/build}")
 LOGS=$BUILD/logs
 
 say() { printf '%s\n' "$*" >&2; }
@@ -29,7 +29,7 @@ step() {
   local name=$1 log=$LOGS/$2 begin=$SECONDS
   shift 2
   mkdir -p "$LOGS"
-  : >"$log"
+  : >"$log" || fail "$log cannot be written: remove $BUILD, or make it yours"
   show_progress "$name" "$log" &
   local progress=$! status=0
   "$@" >"$log" 2>&1 || status=$?
@@ -43,19 +43,20 @@ step() {
   say "$name: $((SECONDS - begin)) s"
 }
 
-configure_preset() { cd "$ROOT" && cmake --preset "$1" -B "$2"; }
+configure_preset() { (cd "$ROOT" && cmake --preset "$1" -B "$2"); }  # the caller stays in its folder
 # A configure that failed or was interrupted leaves its cache, but nothing to build with.
 is_configured() { [ -f "$BUILD/build.ninja" ] || [ -f "$BUILD/Makefile" ]; }
 configure() { is_configured || step "configure" configure.log configure_preset release "$BUILD"; }
 build() { step "build" build.log cmake --build "$BUILD" -j "$(nproc)" "$@"; }
 configure_and_build() { configure && build "$@"; }
 
-# ROS environment of the devel space. Its scripts use unset variables.
+# ROS environment of the devel space. Its scripts use unset variables. A ROS_HOSTNAME of the user would count more than ROS_IP.
 source_ros() {
   set +u
   # shellcheck disable=SC1091
   source "$BUILD/devel/setup.bash" || fail "no ROS environment in $BUILD/devel"
   set -u
+  unset ROS_HOSTNAME
   export ROS_HOME=$BUILD/ros_home ROS_LOG_DIR=$BUILD/ros_home/log ROS_IP=127.0.0.1
   mkdir -p "$ROS_LOG_DIR"
 }

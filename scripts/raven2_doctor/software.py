@@ -10,15 +10,15 @@ from .findings import fail, last_line, ok, text_of, warn
 
 SOURCES = ("src", "include", "CMakeLists.txt")
 PROBE = pathlib.Path(__file__).with_name("draw_probe.py")
+DEBIAN = pathlib.Path("/etc/debian_version")
 
 
 def system(machine):
-    release = pathlib.Path("/etc/debian_version")
-    version = release.read_text().strip() if release.exists() else ""
-    if version.startswith("12"):
+    version = DEBIAN.read_text().strip() if DEBIAN.exists() else ""
+    if version.partition(".")[0] in ("12", "13"):
         return [ok(f"Debian {version}")]
     name = f"Debian {version}" if version else "not Debian"
-    return [warn(f"{name}; built and tested on Debian 12 alone", "use Debian 12, or the Containerfile")]
+    return [warn(f"{name}; built and tested on Debian 12 and 13 alone", "use one of them, or the Containerfile")]
 
 
 def packages(machine):
@@ -30,7 +30,7 @@ def packages(machine):
         return [ok("all packages of scripts/install_dependencies are installed")]
     missing = text.split()
     if status != 1 or not missing or not all(re.fullmatch(r"[a-z0-9][a-z0-9+.-]*", name) for name in missing):
-        return [fail(f"scripts/install_dependencies: {last_line(text)}", "use Debian 12: it asks dpkg-query")]
+        return [fail(f"scripts/install_dependencies: {last_line(text)}", "use Debian 12 or 13: it asks dpkg-query")]
     for_tests = set(machine.run(script, "--list", "test")[1].split())
     needed = [name for name in missing if name not in for_tests]
     remedy = f"as root: {script}"

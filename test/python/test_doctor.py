@@ -69,6 +69,14 @@ def test_a_finding_that_is_not_well_says_what_to_do():
 
 # ---- packages, Python, the build -------------------------------------------------------------------------------------
 
+@pytest.mark.parametrize("version, status", [("12.11", OK), ("13.1", OK), ("13", OK), ("11.9", WARN), ("trixie/sid", WARN), ("", WARN)])
+def test_the_systems_that_the_readme_names_are_well(here, place, monkeypatch, version, status):
+    assert "You need Debian 12 or 13 " in (ROOT / "README.md").read_text()
+    (place / "debian_version").write_text(version + "\n")
+    monkeypatch.setattr(software, "DEBIAN", place / "debian_version")
+    only(software.system(here), status)
+
+
 def test_missing_packages_fail_those_of_the_tests_warn(here, place):
     assert only(software.packages(here), OK)
     (place / "scripts/missing").write_text("libode-dev\nstress-ng\n")

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import shlex
 
 import pytest
 
@@ -28,7 +29,7 @@ def options(*arguments, more=()):
 def nodes(launch, *arguments):
     loaded = roslaunch_config.load_config_default([(launch, list(arguments))], None, verbose=False)
     assert not loaded.config_errors
-    words = {node.type: [word for word in node.args.split() if word != "--strict"] for node in loaded.nodes}
+    words = {node.type: [word for word in shlex.split(node.args) if word != "--strict"] for node in loaded.nodes}
     return {name: dict(zip(w[::2], w[1::2])) for name, w in words.items()}
 
 
@@ -150,7 +151,7 @@ def test_rviz_is_given_the_robot_and_its_configuration():
     assert "<robot" in loaded.params["/robot_description"].value
     (node,) = loaded.nodes
     assert node.type == "rviz"
-    assert os.path.realpath(node.args.split()[1]) == os.path.realpath(RVIZ)
+    assert os.path.realpath(shlex.split(node.args)[1]) == os.path.realpath(RVIZ)
 
 
 def test_rviz_shows_topics_that_there_are():
@@ -194,6 +195,19 @@ def test_a_bad_link_is_between_console_and_daemon():
     for link in ("26020:127.0.0.1:4000", "36001:127.0.0.1:26021", "26002:127.0.0.1:26022"):
         assert f"--udp {link}" in links
     assert "impair" not in options()
+
+
+def test_blanks_in_the_names_of_files_stay_in_them():
+    config, output = "config:=/my files/trainer.yaml", "output:=/my sessions/one"
+    seen = options(config, output, "impair:=/my links/bad.yaml", "motion:=recording:/my hands/one.csv", more=["impair"])
+    simulator = seen["simulator"]
+    assert all(seen[name]["--config"] == "/my files/trainer.yaml" for name in ("virtual_raven", "master_console", "simulator"))
+    assert simulator["--output"] == "/my sessions/one" and seen["impair"]["--profile"] == "/my links/bad.yaml"
+    assert seen["master_console"]["--motion"] == "recording:/my hands/one.csv"
+    assert simulator["--motion-label"] == "recording:/my hands/one.csv-over-bad"
+    assert options("master:=/my masters/omni.yaml")["master_console"]["--master"] == "/my masters/omni.yaml"
+    of = nodes(HARDWARE, "robot_host:=10.0.0.2", config, output)["simulator"]
+    assert (of["--config"], of["--output"]) == ("/my files/trainer.yaml", "/my sessions/one")
 
 
 def test_a_real_robot_has_its_drill_only_if_asked_for():

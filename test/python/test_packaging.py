@@ -96,6 +96,17 @@ def test_what_is_missing_is_told_without_installing(tmp_path):
     assert sorted(result.stdout.split() + ["ffmpeg"]) == sorted(packages())
 
 
+def test_a_package_that_is_held_is_installed(tmp_path):
+    """The fake dpkg-query answers as after `apt-mark hold ffmpeg`; chromium was removed, and its settings are left."""
+    there = "\n".join({"ffmpeg": "hi ", "chromium": "rc "}.get(name, "ii ") + name for name in packages())
+    query = tmp_path / "dpkg-query"
+    query.write_text(f"#!/bin/sh\necho '{there}'\n")
+    query.chmod(0o755)
+    result = subprocess.run([SCRIPTS / "install_dependencies", "--missing"], capture_output=True, text=True, timeout=60,
+                            check=False, env={"PATH": f"{tmp_path}:/usr/bin:/bin"})
+    assert result.stdout.split() == ["chromium"], result
+
+
 def test_versions_are_one():
     version = re.search(r"<version>(.*?)</version>", text("package.xml")).group(1)
     assert re.search(rf"project\(raven2_trainer VERSION {re.escape(version)} ", text("CMakeLists.txt"))

@@ -3,6 +3,7 @@
 import importlib.machinery
 import importlib.util
 import pathlib
+import shutil
 
 import numpy as np
 import pytest
@@ -12,8 +13,8 @@ HEADER = "samples,run,seed,success,reason,planning_time_s,tracking_time_s,waypoi
          "eta_acceleration,eta_clearance,time_limit_s,path\n"
 
 
-def load():
-    loader = importlib.machinery.SourceFileLoader("plot_paths", str(ROOT / "scripts" / "plot_paths"))
+def load(path=ROOT / "scripts" / "plot_paths"):
+    loader = importlib.machinery.SourceFileLoader("plot_paths", str(path))
     module = importlib.util.module_from_spec(importlib.util.spec_from_loader("plot_paths", loader))
     loader.exec_module(module)
     return module
@@ -147,3 +148,13 @@ def test_the_shipped_scene_has_its_parts():
     links = {link for link, _ in plot.scene_lines(plot.SCENE)}
     assert {"dome_wall", "dome_lid", "wire_left", "wire_right", "ring", "ring_stand"} <= links
     assert not links & plot.HIDDEN
+
+
+def test_the_installed_program_finds_the_scene(tmp_path, monkeypatch):
+    """As the package has them: lib/raven2_trainer/plot_paths, share/raven2_trainer/urdf."""
+    monkeypatch.setattr("sys.dont_write_bytecode", True)
+    program, scene = tmp_path / "lib/raven2_trainer/plot_paths", tmp_path / "share/raven2_trainer/urdf/frs_trainer.urdf"
+    for file, source in ((program, ROOT / "scripts/plot_paths"), (scene, ROOT / "urdf/frs_trainer.urdf")):
+        file.parent.mkdir(parents=True)
+        shutil.copy(source, file)
+    assert pathlib.Path(load(program).SCENE).resolve() == scene.resolve()

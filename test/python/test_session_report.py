@@ -465,6 +465,16 @@ def test_an_exercise_without_a_score_says_how_to_get_one(tmp_path):
     assert "Not judged: this session has no score" in page and "score_session DIR" in page
 
 
+def test_a_build_in_another_place_scores_the_session(tmp_path, monkeypatch):
+    program = tmp_path / "elsewhere/devel/lib/raven2_trainer/score_session"
+    program.parent.mkdir(parents=True)
+    program.write_text("#!/bin/sh\necho \"another build: $1\" >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("RAVEN2_TRAINER_BUILD", str(tmp_path / "elsewhere"))
+    folder = made.make(tmp_path / "s")
+    assert f"session_report: score_session: another build: {folder}\n" in report(folder)[2]
+
+
 @pytest.mark.parametrize("content", ["", "[]", '{"version": 2}', '{"version": 1, "attempts": [1]}', "{" * 100000])
 def test_a_score_that_is_none_is_said_and_left_out(tmp_path, content):
     folder = made.make(tmp_path / "s")
