@@ -14,7 +14,6 @@ using control::ServoVerdict;
 // [1 a tick] Commands that are checked: poses of a move are checked one by one along its path.
 constexpr int kMostCommands = 32;
 constexpr int kMostMoves = 1;
-
 constexpr double kNoTurn = 1e-9;     // [rad] rounding
 constexpr double kSamePoint = 1e-9;  // [m]
 constexpr Tick kRestTicks = 200;  // a set point that does not change: the robot's arm has stopped, too
@@ -51,13 +50,11 @@ bool isOfJaw(ServoKind kind) noexcept {
          kind == ServoKind::kMoveJawBy;
 }
 
-/** Of the robot that is there, once it has left INIT, too: what is asked for before that is refused. Else of the model.
- */
+/** The robot that is there, once it has left INIT, too: before that, requests are refused. Else the model. */
 bool isHomed(const ServoSituation& stand) noexcept {
   return !stand.robot_there || (stand.robot_homed && stand.robot_ready);
 }
 
-/** There is a robot that could move. */
 bool isReady(const ServoSituation& stand) noexcept {
   return stand.robot_there && stand.robot_ready;
 }
@@ -129,7 +126,9 @@ void ServoManager::observe(const ServoSituation& stand) noexcept {
   }
   if (holds_pedal_ && hasLostPedal(stand)) letGo(OperatingState::kPaused);
   if (holds_pedal_ && stand.mode == Mode::kCameraMoving) forget();
+  const bool was_homing = isHoming();
   stand_ = stand;
+  is_unhomed_ = is_unhomed_ && (was_homing || !isHoming());  // until the robot homes again
   if (stand.mode != Mode::kCameraMoving) is_joined_ = stand.linked;
   had_robot_ = had_robot_ || stand.robot_there;
   was_started_ = stand.robot_there && (was_started_ || !stand.robot_stopped);
@@ -285,6 +284,7 @@ ServoRefusal ServoManager::takeState(StateCommand command) noexcept {
     return ServoRefusal::kNotHomed;
   if (is_raven_ && command == StateCommand::kEnable && state_ == OperatingState::kPaused)
     command = StateCommand::kResume;
+  if (is_raven_ && command == StateCommand::kPause && isHoming()) command = StateCommand::kDisable;
   const auto next = control::nextState(state_, command);
   if (!next) return ServoRefusal::kInvalid;
   if (stand_.robot_stopped && *next != state_) return ServoRefusal::kRobotStop;
@@ -413,10 +413,10 @@ bool ServoManager::isHoming() const noexcept {
   return !isHomed(stand_) && !stand_.robot_stopped;
 }
 
-/** While a Raven homes, the robot's own branch says ENABLED and busy. */
+/** While a Raven homes, the robot's own branch says ENABLED and busy, until a client disables it. */
 OperatingState ServoManager::shownState() const noexcept {
-  const bool homes = is_raven_ && isHoming() && !stand_.stop_asked && state_ == OperatingState::kDisabled;
-  return homes ? OperatingState::kEnabled : state_;
+  const bool is_off = stand_.stop_asked || disable_asked_ || is_unhomed_ || state_ != OperatingState::kDisabled;
+  return is_raven_ && isHoming() && !is_off ? OperatingState::kEnabled : state_;
 }
 
 void ServoManager::publish(Tick tick, std::int64_t time_ns, const PerArm<JointArray>& q_d) noexcept {

@@ -1040,5 +1040,59 @@ TEST_F(ServoManagerTest, InTheRavensDialectUnhomeDisablesUntilHome) {
   ASSERT_TRUE(c->enable());
 }
 
+/** crtk-cpp's crtk_test_state, tests 4 to 6: the state says so while the robot homes on. */
+TEST_F(ServoManagerTest, InTheRavensDialectWhatDisablesAHomingRobotIsShown) {
+  for (const StateCommand command : {StateCommand::kPause, StateCommand::kDisable, StateCommand::kUnhome}) {
+    SCOPED_TRACE(kStateCommandNames[static_cast<std::size_t>(command)]);
+    TrainerConfig config = ModeDriver::configuration();
+    speakRaven(&config);
+    rig = std::make_unique<Rig>(config);
+    c = std::make_unique<ServoClient>(rig.get());
+    for (int i = 0; i < 5000 && rig->robot().runlevel != RunLevel::kInit; ++i)
+      c->rest(1);
+    c->rest(5);
+    ASSERT_EQ(state(), OperatingState::kEnabled);
+    EXPECT_EQ(c->ask(command), ServoRefusal::kNone);
+    c->rest(5);
+    EXPECT_EQ(state(), OperatingState::kDisabled);
+    EXPECT_EQ(c->state().is_homed, 0);
+    EXPECT_TRUE(c->isBusy()) << "it homes on";
+    ASSERT_TRUE(rig->home());
+    c->rest(200);
+    EXPECT_EQ(state(), OperatingState::kDisabled) << "as the client asked";
+    EXPECT_EQ(c->state().is_homed, command == StateCommand::kUnhome ? 0 : 1);
+  }
+}
+
+/** crtk-cpp's crtk_test_state, test 8: a person presses the emergency stop, releases it and starts the robot again. */
+TEST_F(ServoManagerTest, InTheRavensDialectARobotThatHomesAgainIsHomed) {
+  TrainerConfig config = ModeDriver::configuration();
+  speakRaven(&config);
+  rig = std::make_unique<Rig>(config);
+  c = std::make_unique<ServoClient>(rig.get());
+  ASSERT_TRUE(rig->home());
+  c->rest(200);
+  EXPECT_EQ(c->ask(StateCommand::kUnhome), ServoRefusal::kNone);
+  c->rest(20);
+  ASSERT_EQ(c->state().is_homed, 0);
+  RobotState said = rig->robot();
+  const auto says = [&](RunLevel level, bool is_homed) {
+    said.runlevel = level;
+    said.homed = is_homed ? 1 : 0;
+    for (int i = 0; i < 5; ++i) {
+      rig->hear(&said);
+      c->rest(1);
+    }
+  };
+  says(RunLevel::kEStop, false);
+  EXPECT_EQ(c->state().is_homed, 0);
+  says(RunLevel::kInit, false);
+  EXPECT_EQ(state(), OperatingState::kEnabled);
+  EXPECT_TRUE(c->isBusy());
+  says(RunLevel::kPedalUp, true);
+  EXPECT_EQ(c->state().is_homed, 1);
+  EXPECT_EQ(state(), OperatingState::kPaused);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop
