@@ -763,6 +763,17 @@ class Crtk(unittest.TestCase):
         poses = Topic(f"model/{arm.name}/measured_cp", PoseStamped)
         until(lambda: poses.newest is not None, 5, "a pose of the model")
 
+        def rest():
+            """Waits until the tip has not moved for 0.2 s."""
+            count = len(poses.messages)
+
+            def stands():
+                new, newest = poses.messages[count:], poses.newest
+                ago = [(newest.header.stamp - m.header.stamp).to_sec() for m in new]
+                return any(a > 0.2 for a in ago) and all(distance(newest, m) < 1e-4 for m, a in zip(new, ago) if a <= 0.2)
+
+            until(stands, 5, "the tip does not move")
+
         def push(topic, force):
             """The tip's first 5 mm, always from the same pose: a force at the tip turns the wrist, too."""
             arm.finish(lambda: publishers["move_jp"].publish(JointState(position=begin)), 5)
@@ -777,6 +788,7 @@ class Crtk(unittest.TestCase):
 
             end = until(far, 2, "5 mm of way")
             arm.say("hold", Empty())
+            rest()  # ROS keeps no order between topics: a hold that comes late would end the next move
             way = tuple(b - a for a, b in zip(vector(start.pose.position), vector(end.pose.position)))
             print(f"{topic}, {tuple(round(f, 1) for f in force)} N: {tuple(round(1e3 * w, 2) for w in way)} mm")
             return way

@@ -294,10 +294,10 @@ class TestHandsOfAPage:
         ActionChains(driver).move_to_element(picture).click().perform()
         browser.until(lambda: driver.execute_script("return document.pointerLockElement !== null"), 3, "the mouse is locked")
         time.sleep(0.3)  # the console watches a device for 0.2 s before its pedal counts
+        before = tip.pose()[0]  # the tip moves only with the pedal down: motion of all presses adds up
         for _ in range(3):  # again if a busy machine delayed the console until the pedal came up
             press_pedal(browser)
             driver.execute_script(WATCH_PEDAL)
-            before = tip.pose()[0]
             for _ in range(30):
                 ActionChains(driver, duration=10).move_by_offset(6, 0).perform()
             time.sleep(1.0)
