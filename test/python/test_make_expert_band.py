@@ -89,11 +89,11 @@ def test_a_metric_that_is_not_in_every_attempt_is_left_out_and_named(tmp_path):
 
 def test_a_chosen_list_and_a_folder(tmp_path):
     folders = three(tmp_path)
-    done = run(*folders, "--metrics", "time", "--least-spread", "0.1", "--output", str(tmp_path))
+    done = run(*folders, "--metrics", "time", "--least-spread", "0.1", "--output", str(tmp_path / "new"))
     assert done.returncode == 0, done.stderr
-    band = yaml.safe_load((tmp_path / "peg_transfer.yaml").read_text())
+    band = yaml.safe_load((tmp_path / "new/peg_transfer.yaml").read_text())
     assert list(band["metrics"]) == ["time"]
-    assert not list(tmp_path.glob("*.part"))
+    assert not list((tmp_path / "new").glob("*.part"))
     assert band["least_spread"] == 0.1
 
 

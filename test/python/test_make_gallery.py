@@ -26,6 +26,13 @@ def test_the_page_shows_every_camera_and_overlay():
     assert files == set(shown) and len(shown) == len(files)
 
 
+def test_a_name_of_no_picture_is_an_error(tmp_path):
+    done = subprocess.run([ROOT / "scripts/make_gallery", "--only", "top,gost", "--output", tmp_path / "new"],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and done.stderr == "make_gallery: no camera or overlay is called gost\n"
+    assert not (tmp_path / "new").exists()
+
+
 @pytest.mark.skipif(not (PROGRAMS / "render_session").exists(), reason="render_session is not built")
 def test_pictures_are_drawn_at_their_moment(tmp_path):
     done = subprocess.run([ROOT / "scripts/make_gallery", "--only", "top,workspace", "--size", "128x72", "--output",

@@ -58,12 +58,16 @@ int resimulateSession(const std::string& directory, const std::string& output) {
   physics::initialiseOde();
   session::SessionMeta meta = recording::startMeta("resimulate", version(), session::readLogHeader(paths.log()).motion);
   recording::Resimulation resimulation(config, paths, output);
+  const auto keep = [&](const char* realtime, double seconds) {
+    meta.realtime = realtime;
+    meta.wall_duration = seconds;
+    if (!output.empty()) session::writeMeta(session::SessionPaths{output}, meta, config);
+  };
+  keep("unknown: not ended cleanly", 0.0);  // also of one that is killed
   ProgressBar bar("resimulate");
   const auto start = std::chrono::steady_clock::now();
   const recording::ResimulationResult result = resimulation.run([&](double share) { bar.update(share); });
-  meta.wall_duration = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  meta.realtime = "re-simulated";
-  if (!output.empty()) session::writeMeta(session::SessionPaths{output}, meta, config);
+  keep("re-simulated", std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
   return report(result, meta.wall_duration, &bar);
 }
 
