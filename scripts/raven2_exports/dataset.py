@@ -1,6 +1,7 @@
 """Many sessions as one data set: episodes on all cores, kept until the data set is complete, so that an export that was
 killed continues."""
 
+import collections
 import concurrent.futures
 import ctypes
 import hashlib
@@ -47,10 +48,13 @@ class Part:
         return self.folder / f"{camera}.mp4"
 
     def frames(self, camera, size):
-        """(frames, height, width, 3) uint8 of the video."""
+        """Each picture of the video, (height, width, 3) uint8. Only one is in memory: a session of three minutes has a gigabyte."""
         command = ["ffmpeg", "-loglevel", "error", "-i", self.video(camera), "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]
-        raw = subprocess.run(command, stdout=subprocess.PIPE, check=True).stdout
-        return np.frombuffer(raw, np.uint8).reshape(-1, size[1], size[0], 3)
+        with subprocess.Popen(command, stdout=subprocess.PIPE) as decoder:
+            while raw := decoder.stdout.read(3 * size[0] * size[1]):
+                yield np.frombuffer(raw, np.uint8).reshape(size[1], size[0], 3)
+        if decoder.returncode != 0:
+            raise OSError(f"{self.video(camera)}: ffmpeg ended with {decoder.returncode}")
 
 
 def _key(directory, fps, pictures):
@@ -104,7 +108,7 @@ def make_part(directory, folder, fps, pictures):
     return None
 
 
-def _end_with_parent():
+def end_with_parent():
     """A worker whose parent was killed would wait for work for ever."""
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     ctypes.CDLL(None).prctl(1, signal.SIGTERM)  # PR_SET_PDEATHSIG
@@ -114,7 +118,7 @@ def make_parts(directories, work, fps, pictures, jobs):
     """Parts of all sessions, in the order of splits and names. @throw SessionError with the first reason, after all others."""
     folders = {directory: pathlib.Path(work) / _key(directory, fps, pictures) for directory in directories}
     bar, refused = Bar(len(directories), "exported"), []
-    with cancelling(concurrent.futures.ProcessPoolExecutor(jobs, initializer=_end_with_parent)) as pool:
+    with cancelling(concurrent.futures.ProcessPoolExecutor(jobs, initializer=end_with_parent)) as pool:
         waiting = {pool.submit(make_part, directory, folder, fps, pictures): directory for directory, folder in folders.items()}
         for each in concurrent.futures.as_completed(waiting):
             refused += [each.result()] if each.result() else []
@@ -123,6 +127,23 @@ def make_parts(directories, work, fps, pictures, jobs):
         raise raven2_session.SessionError(refused[0] + (f" (and {len(refused) - 1} more sessions)" if len(refused) > 1 else ""))
     parts = [Part(folders[directory]) for directory in directories]
     return sorted(parts, key=lambda part: (episode.SPLITS.index(part.facts["split"]), part.facts["session"]))
+
+
+def demand_all(count, part, camera):
+    """@throw OSError if that is not the number of pictures that the episode has."""
+    if count != part.length:
+        raise OSError(f"the video of {camera} of session {part.facts['session']} has {count} pictures, the session {part.length}")
+
+
+def ahead(pool, work, items, most):
+    """work(item) of each item, in order. At most `most` are computed or wait: a pool's map() would take all items at once."""
+    waiting = collections.deque()
+    for item in items:
+        waiting.append(pool.submit(work, item))
+        if len(waiting) >= most:
+            yield waiting.popleft().result()
+    while waiting:
+        yield waiting.popleft().result()
 
 
 def splits(parts):

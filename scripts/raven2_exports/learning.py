@@ -22,7 +22,7 @@ def in_environment():
 
 
 def writer(options):
-    """write(parts, path, fps, pictures) of the format. @throw SessionError if its library is missing."""
+    """write(parts, path, fps, pictures, jobs) of the format. @throw SessionError if its library is missing."""
     if options.format == "hdf5":
         from raven2_exports import hdf5
 
@@ -42,7 +42,7 @@ def export(options):
 
     pictures = dataset.Pictures(options.cameras, options.size, raven2_lockstep.program("render_session"))
     output = options.output or FORMATS[options.format]
-    parts = dataset.export(options.directories, output, functools.partial(write, fps=options.fps, pictures=pictures),
+    parts = dataset.export(options.directories, output, functools.partial(write, fps=options.fps, pictures=pictures, jobs=options.jobs),
                            options.fps, pictures, options.jobs)
     shares = ", ".join(f"{last - first} {name}" for name, (first, last) in dataset.splits(parts).items())
     return f"{output}: {len(parts)} episodes ({shares}), {sum(part.length for part in parts)} frames"

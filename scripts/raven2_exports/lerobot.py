@@ -4,6 +4,8 @@ Needs pyarrow, which Debian does not have (doc/python.md says how to install it)
 reader in lerobot 0.3.3 (2.1) and 0.4.4 (3.0).
 """
 
+import concurrent.futures
+import functools
 import json
 import shutil
 import subprocess
@@ -12,6 +14,7 @@ import numpy as np
 import pyarrow
 import pyarrow.parquet
 from raven2_exports import dataset, episode
+from raven2_progress import Bar, cancelling
 
 ROBOT = "raven2"
 CHUNK = 1000  # files in a folder
@@ -93,11 +96,30 @@ def statistics(table, pictures):
     """Of each column of numbers, and of each camera's pictures on the scale 0 to 1."""
     found = {name: _of(values.reshape(table.length, -1), 0) for name, values in table.values.items() if values.dtype.kind != "U"}
     for camera in pictures.cameras:
-        chosen = np.linspace(0, table.length - 1, min(SAMPLES, table.length)).astype(int)
-        pixels = table.part.frames(camera, pictures.size)[chosen]
-        channels = _of(pixels.reshape(-1, 3) / 255.0, 0, (3, 1, 1))
-        found[picture_key(camera)] = {**channels, "count": [len(chosen)]}
+        chosen = set(np.linspace(0, table.length - 1, min(SAMPLES, table.length)).astype(int))
+        counts, number = np.zeros((3, 256), np.int64), 0
+        for number, picture in enumerate(table.part.frames(camera, pictures.size), 1):
+            if number - 1 in chosen:
+                counts += [np.bincount(picture[:, :, channel].ravel(), minlength=256) for channel in range(3)]
+        dataset.demand_all(number, table.part, camera)
+        found[picture_key(camera)] = {**_of_counts(counts), "count": [len(chosen)]}
     return found
+
+
+def _of_counts(counts):
+    """As _of(), of the three channels' values 0 to 255 on the scale 0 to 1. `counts` (3, 256): how often each value occurs."""
+    values, ranks, total = np.arange(256) / 255.0, counts.cumsum(1), counts[0].sum()
+
+    def at(rank):
+        return values[(ranks > rank).argmax(1)]
+
+    mean = counts @ values / total
+    found = {"min": at(0), "max": at(total - 1), "mean": mean, "std": np.sqrt((counts * (values - mean[:, None]) ** 2).sum(1) / total)}
+    for q in QUANTILES:
+        place = q * (total - 1)
+        below = int(place)
+        found[f"q{round(100 * q):02d}"] = at(below) + (place - below) * (at(min(below + 1, total - 1)) - at(below))
+    return {key: value.reshape(3, 1, 1).tolist() for key, value in found.items()}
 
 
 def _pooled(all_of_one):
@@ -132,19 +154,30 @@ def _parquet(path, table):
     pyarrow.parquet.write_table(table, path, compression="snappy")
 
 
+def _described(pictures, table):
+    """For a worker of the pool."""
+    return table, statistics(table, pictures)
+
+
 class _Writer:
-    def __init__(self, parts, path, fps, pictures):
-        self.path, self.fps, self.pictures, self.parts = path, fps, pictures, parts
+    def __init__(self, parts, path, fps, pictures, jobs):
+        self.path, self.fps, self.pictures, self.parts, self.jobs = path, fps, pictures, parts, jobs
         self.tasks = sorted({part.facts["task"] for part in parts})
-        self.total = 0
+        self.total = sum(part.length for part in parts)
+
+    def _tables(self):
+        first = 0
+        for number, part in enumerate(self.parts):
+            yield Table(part, number, first, self.tasks.index(part.facts["task"]), self.fps)
+            first += part.length
 
     def tables(self):
-        """Each episode's table and statistics, one at a time."""
-        self.total = 0
-        for number, part in enumerate(self.parts):
-            table = Table(part, number, self.total, self.tasks.index(part.facts["task"]), self.fps)
-            self.total += part.length
-            yield table, statistics(table, self.pictures)
+        """Each episode's table and statistics, in order, by all cores."""
+        bar = Bar(len(self.parts), "written")
+        with cancelling(concurrent.futures.ProcessPoolExecutor(self.jobs, initializer=dataset.end_with_parent)) as pool:
+            for table, found in dataset.ahead(pool, functools.partial(_described, self.pictures), self._tables(), 2 * self.jobs):
+                yield table, found
+                bar.step(table.part.facts["session"])
 
     def info(self, version, **more):
         data, video = PATHS[version]
@@ -210,6 +243,6 @@ def _tasks(tasks):
     return table.replace_schema_metadata({b"pandas": json.dumps(described).encode()})
 
 
-def write(parts, path, fps, pictures, version):
-    writer = _Writer(parts, path, fps, pictures)
+def write(parts, path, fps, pictures, jobs, version):
+    writer = _Writer(parts, path, fps, pictures, jobs)
     {"2.1": writer.write_2_1, "3.0": writer.write_3_0}[version]()

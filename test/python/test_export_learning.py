@@ -1,4 +1,5 @@
 """export_session --format hdf5 and lerobot, and make_dataset: read with h5py and pandas and compared with the logs."""
+import concurrent.futures
 import importlib.machinery
 import json
 import os
@@ -15,7 +16,8 @@ import pytest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import raven2_session  # noqa: E402
-from raven2_exports import dataset, episode  # noqa: E402
+import raven2_exports  # noqa: E402
+from raven2_exports import dataset, episode, hdf5  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PROGRAMS = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/raven2_trainer"
@@ -323,6 +325,140 @@ def test_the_pictures_are_those_of_the_frames(data):
     pictures = data[0]["demo_0/obs/endoscope_image"]
     assert pictures.shape == (90, 64, 64, 3) and pictures.dtype == np.uint8
     assert pictures[0].std() > 10 and np.abs(pictures[89].astype(int) - pictures[0]).max() > 30
+
+
+def test_pictures_compressed_by_several_cores_are_in_order(tmp_path):
+    drawn = np.random.default_rng(3).integers(0, 256, (40, 4, 6, 3), np.uint8)
+    part = types.SimpleNamespace(length=len(drawn), frames=lambda _camera, _size: iter(drawn))
+    with h5py.File(tmp_path / "set.hdf5", "w") as file, concurrent.futures.ThreadPoolExecutor(3) as pool:
+        hdf5._write_pictures(file, part, dataset.Pictures(("top",), (6, 4), ""), pool, 3)
+        assert np.array_equal(file["obs/top_image"][:], drawn)
+
+
+@pytest.mark.parametrize("count", [39, 41])
+def test_a_video_of_another_length_is_no_data_set(tmp_path, count):
+    part = types.SimpleNamespace(length=40, facts={"session": "s1"}, frames=lambda _camera, _size: iter(np.zeros((count, 4, 6, 3), np.uint8)))
+    with h5py.File(tmp_path / "set.hdf5", "w") as file, concurrent.futures.ThreadPoolExecutor(2) as pool:
+        with pytest.raises((OSError, ValueError)):
+            hdf5._write_pictures(file, part, dataset.Pictures(("top",), (6, 4), ""), pool, 2)
+
+
+class NoParquet(types.ModuleType):
+    """In place of pyarrow, which Debian lacks: a file is the table's columns as JSON."""
+
+    @staticmethod
+    def array(values, _kind=None):
+        return np.asarray(values)
+
+    @staticmethod
+    def string():
+        return None
+
+    @staticmethod
+    def table(columns):
+        return types.SimpleNamespace(columns=columns, nbytes=8)
+
+    @staticmethod
+    def write_table(table, path, compression=""):
+        assert compression == "snappy"
+        path.write_text(json.dumps({name: np.asarray(values).tolist() for name, values in table.columns.items()}))
+
+
+@pytest.fixture(name="lerobot")
+def lerobot_without_pyarrow(monkeypatch):
+    fake = NoParquet("pyarrow")
+    fake.parquet = NoParquet("pyarrow.parquet")
+    fake.FixedSizeListArray = types.SimpleNamespace(from_arrays=lambda values, size: np.reshape(values, (-1, size)))
+    monkeypatch.setitem(sys.modules, "pyarrow", fake)
+    monkeypatch.setitem(sys.modules, "pyarrow.parquet", fake.parquet)
+    def forget():
+        sys.modules.pop("raven2_exports.lerobot", None)
+        vars(raven2_exports).pop("lerobot", None)
+
+    forget()
+    from raven2_exports import lerobot
+
+    yield lerobot
+    forget()
+
+
+def kept_part(folder, name, split, length, success, seed):
+    """An episode's part as make_part() leaves it, without pictures."""
+    random = np.random.default_rng(seed)
+    columns = {column: random.normal(size=(length, len(names))).astype(np.float32) if names else np.full(length, "none")
+               for column, (names, _, _) in episode.COLUMNS.items()}
+    folder.mkdir()
+    np.savez(folder / "table.npz", **columns)
+    (folder / "part.json").write_text(json.dumps({"length": length, "task": "peg" if seed % 2 else "ring", "session": name, "split": split,
+                                                  "success": success, "seed": seed, "exercise": "none", "hazards": [], "objects": []}))
+    return dataset.Part(folder)
+
+
+def test_a_lerobot_data_set_describes_its_episodes(lerobot, tmp_path):
+    """Format 2.1, as the reader of lerobot 0.3.3 wants it: five episodes by three workers."""
+    shape = [("nominal", 7, True), ("nominal", 3, False), ("failure", 5, False), ("failure", 4, False), ("recovery", 6, True)]
+    parts = [kept_part(tmp_path / f"p{i}", f"s{i}", split, length, success, i) for i, (split, length, success) in enumerate(shape)]
+    out = tmp_path / "set"
+    lerobot.write(parts, out, FPS, dataset.Pictures((), (64, 64), ""), 3, "2.1")
+    info = json.loads((out / "meta/info.json").read_text())
+    assert (info["codebase_version"], info["total_episodes"], info["total_frames"], info["total_tasks"]) == ("v2.1", 5, 25, 2)
+    assert info["splits"] == {"train": "0:5", "nominal": "0:2", "failure": "2:4", "recovery": "4:5"} and info["video_path"] is None
+    assert info["features"]["action"]["shape"] == [14] and info["features"]["next.done"]["dtype"] == "bool"
+    episodes, stats, tasks = ([json.loads(line) for line in (out / f"meta/{name}.jsonl").read_text().splitlines()]
+                              for name in ("episodes", "episodes_stats", "tasks"))
+    assert [(e["episode_index"], e["length"], e["tasks"]) for e in episodes] == [(i, shape[i][1], ["peg" if i % 2 else "ring"]) for i in range(5)]
+    assert {task["task"]: task["task_index"] for task in tasks} == {"peg": 0, "ring": 1}
+    first = 0
+    for number, (_, length, success) in enumerate(shape):
+        columns = json.loads((out / info["data_path"].format(episode_chunk=0, episode_index=number)).read_text())
+        assert columns["index"] == list(range(first, first + length)) and columns["episode_index"] == [number] * length
+        assert columns["next.done"] == [False] * (length - 1) + [True] and columns["next.reward"][-1] == float(success)
+        assert columns["timestamp"] == pytest.approx(np.arange(length) / FPS, abs=1e-6)
+        action, found = parts[number].columns()["action"], stats[number]["stats"]["action"]
+        for name, of in (("min", np.min), ("max", np.max), ("mean", np.mean), ("std", np.std)):
+            assert found[name] == pytest.approx(of(action.astype(float), axis=0)), name
+        assert found["count"] == [length] and "truth.hazard" not in stats[number]["stats"]
+        first += length
+
+
+def test_the_statistics_of_pictures_are_those_of_their_values(lerobot):
+    pixels = np.random.default_rng(5).integers(0, 256, (6, 5, 4, 3), np.uint8) // np.array([1, 2, 3], np.uint8)
+    part = types.SimpleNamespace(length=6, facts={"session": "s1"}, frames=lambda _camera, _size: iter(pixels))
+    table = types.SimpleNamespace(length=6, part=part, values={})
+    found = lerobot.statistics(table, dataset.Pictures(("top",), (4, 5), ""))["observation.images.top"]
+    flat = pixels.reshape(-1, 3) / 255.0
+    for name, wanted in (("min", flat.min(0)), ("max", flat.max(0)), ("mean", flat.mean(0)), ("std", flat.std(0)),
+                         *((f"q{round(100 * q):02d}", np.quantile(flat, q, 0)) for q in lerobot.QUANTILES)):
+        assert np.shape(found[name]) == (3, 1, 1) and np.ravel(found[name]) == pytest.approx(wanted, abs=1e-12), name
+    assert found["count"] == [6]
+    part.frames = lambda _camera, _size: iter(pixels[:5])
+    with pytest.raises(OSError, match="has 5 pictures, the session 6"):
+        lerobot.statistics(table, dataset.Pictures(("top",), (4, 5), ""))
+
+
+def test_pooled_statistics_are_those_of_all_frames(lerobot):
+    rows = [np.random.default_rng(i).normal(i, 1 + i, (length, 3)) for i, length in enumerate((4, 9, 2))]
+    pooled, together = lerobot._pooled([lerobot._of(each, 0) for each in rows]), np.concatenate(rows)
+    for name, of in (("min", np.min), ("max", np.max), ("mean", np.mean), ("std", np.std)):
+        assert pooled[name] == pytest.approx(of(together, axis=0)), name
+    assert pooled["count"] == [15]
+
+
+def test_work_ahead_is_in_order_and_takes_few_items_at_a_time():
+    taken, found = [], []
+    items = (taken.append(i) or i for i in range(50))
+    with concurrent.futures.ThreadPoolExecutor(3) as pool:
+        for square in dataset.ahead(pool, lambda i: i * i, items, 5):
+            assert len(taken) <= len(found) + 5
+            found.append(square)
+    assert found == [i * i for i in range(50)]
+
+
+def test_a_video_that_cannot_be_read_is_an_error(tmp_path):
+    (tmp_path / "part.json").write_text('{"length": 3}')
+    (tmp_path / "top.mp4").write_bytes(b"no video")
+    with pytest.raises(OSError, match="top.mp4"):
+        list(dataset.Part(tmp_path).frames("top", (64, 64)))
 
 
 def test_what_cannot_be_exported_is_said_and_the_rest_is_kept(sessions, tmp_path):
