@@ -3,7 +3,7 @@
 import json
 import os
 
-from raven2_report import curves, metric_words, verdict
+from raven2_report import curves, metric_words, scorecard, verdict
 from raven2_report.facts import PHASES
 from raven2_report.text import is_number
 
@@ -45,13 +45,14 @@ def build(facts, others):
     """The record as a dict, without wall-clock values."""
     attempt = facts.attempt or {}
     points, left_out = curves.collect(facts, others)
+    improve = verdict.improvements(facts)
     return {
         "version": VERSION, "session": _session(facts),
         "verdict": {"headline": verdict.headline(facts), "passed": attempt.get("passed"),
                     "reasons": verdict.reasons(facts) if attempt.get("passed") is False else [],
                     "attempt": attempt.get("number"),
                     "attempts": len(facts.attempts)},
-        "summary": verdict.story(facts), "improve": verdict.improvements(facts), "band": facts.score.get("band"),
+        "summary": verdict.story(facts), "improve": improve, "no_advice": "" if improve else scorecard.no_advice(facts), "band": facts.score.get("band"),
         "metrics": [_metric(name, m, facts.score) for name, m in attempt.get("metrics", {}).items()
                     if isinstance(m, dict)],
         "not_judged": attempt.get("not_judged", []),

@@ -29,26 +29,26 @@ def _attempt_line(facts):
     parts = [f"Attempt {facts.attempt.get('number', 1)} of {len(facts.attempts)}",
              f"{clock(last - first)} long" if began else "over before its time began"]
     if is_number(facts.attempt.get("composite")):
-        parts.append(f"{100 * facts.attempt['composite']:.0f} % of the judged metrics passed (decides nothing: each "
-                     "has to)")
+        parts.append(f"{100 * facts.attempt['composite']:.0f} % of the judged metrics passed (to pass, all "
+                     "have to)")
     return esc(", ".join(parts))
 
 
 def _improvements(facts):
     entries = verdict.improvements(facts)
     if not entries:
-        nothing = _no_advice(facts)
+        nothing = no_advice(facts)
         return f"<section><h2>What to improve</h2><p>{nothing}</p></section>" if nothing else ""
     title = {1: "The thing", 2: "The two things"}.get(len(entries), "The three things")
     items = "".join(f"<li><b>{esc(e['what'])}</b><span>{esc(e['how'])}</span></li>" for e in entries)
     return f'<section><h2>{title} to improve</h2><ol class="improve">{items}</ol></section>'
 
 
-def _no_advice(facts):
+def no_advice(facts):
     """What is said where score.json has no advice; empty for an attempt that did not end."""
     attempt = facts.attempt or {}
     if attempt.get("passed") is False or attempt.get("status") == "failed":
-        return "No figure is to be worked on: what failed is named above."
+        return "The reason is given above. No figure needs work."
     if attempt.get("status") != "done":
         return ""
     if not judged(facts):

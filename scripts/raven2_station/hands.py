@@ -85,6 +85,28 @@ class Hand:
             self.position = [p - p / distance * min(BACK_SPEED * dt, distance) for p in self.position]
 
 
+class Away:
+    """Whether the instructor has taken the hands away from the pages; True also after a station that was killed.
+    @param file: is there while they are; None: only this station knows."""
+
+    def __init__(self, file=None):
+        self._file = file
+        self.is_on = file is not None and file.exists()
+
+    def set(self, is_on):
+        self.is_on = is_on
+        if self._file is None:
+            return
+        try:
+            self._file.parent.mkdir(parents=True, exist_ok=True)
+            if is_on:
+                self._file.touch()
+            else:
+                self._file.unlink(missing_ok=True)
+        except OSError:
+            pass  # on a full disk, a station that was killed forgets it
+
+
 class Hands:
     """The device of the page that drives. Times are monotonic seconds."""
 

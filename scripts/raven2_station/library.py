@@ -7,6 +7,7 @@ import yaml
 from . import words
 
 TRAINEE = r"[a-z0-9_-]{1,32}"  # the whole ID
+SLOW = 0.05  # [-] motion scale of a simulated surgeon who moves a real robot, as in launch/hardware.launch
 
 
 def _files(folder):
@@ -43,8 +44,9 @@ class Library:
         self.links = [{"name": "none", "title": "good link"}] + [
             {"name": name, "title": i.get("meaning", name)} for name, i in _files(config / "impairments")]
         self.curricula = [{"name": name, "title": c["title"], "stages": c["stages"]} for name, c in _files(config / "curricula")]
-        self.masters = [{"name": name, "title": m.get("meaning", name)} for name, m in _files(config / "masters")
-                        if name != "browser"]
+        masters = dict(_files(config / "masters"))
+        self._scales = {name: m.get("scale") for name, m in masters.items()}
+        self.masters = [{"name": name, "title": m.get("meaning", name)} for name, m in masters.items() if name != "browser"]
 
     def describe(self):
         """The choices, for the page."""
@@ -57,6 +59,12 @@ class Library:
     def curriculum(self, name):
         """The first one without a name; None if it is unknown."""
         return next((c for c in self.curricula if name in (None, "", c["name"])), None)
+
+    def scale(self, driver, is_real):
+        """Motion scale [-] for console and daemon, which must have the same one. @return None: that of the configuration."""
+        if is_real and words.is_demonstration(driver):
+            return SLOW
+        return self._scales.get(driver.split(":")[-1])
 
     def names(self, what):
         return [each["name"] for each in getattr(self, what)]

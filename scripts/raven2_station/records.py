@@ -108,7 +108,8 @@ class Records:
         verdict = _dict(report.get("verdict"))
         improve = [{"what": i.get("what", ""), "how": i.get("how", "")} for i in report.get("improve") or [] if isinstance(i, dict)]
         return {"name": name, "headline": verdict.get("headline", "No report yet"), "passed": verdict.get("passed"),
-                "reasons": verdict.get("reasons", []), "improve": improve[:3], "summary": report.get("summary", ""),
+                "reasons": verdict.get("reasons", []), "improve": improve[:3], "no_advice": _text(report.get("no_advice")),
+                "summary": report.get("summary", ""),
                 "video": (self.directory(name) / "video.mp4").is_file()}
 
     def exercise(self, name):
@@ -202,9 +203,9 @@ class Records:
         writer = csv.writer(out)
         titles = [stage.title for stage in stages_of(curriculum)]
         writer.writerow(["trainee", "sessions", *[f"{t} {what}" for t in titles for what in ("attempts", "passes in a row", "more passes", "done")],
-                         "last session (UTC)"])
+                         "last session (UTC)", "demonstrated sessions"])
         for row in self.the_class(curriculum):
             cells = [value for s in row["stages"] for value in (s["attempts"], s["in_a_row"], s["more"], "yes" if s["done"] else "no")]
             writer.writerow(["'" + row["trainee"] if row["trainee"].startswith(("=", "+", "-", "@", "\t", "\r")) else row["trainee"], row["sessions"], *cells,
-                             row["last"]])
+                             row["last"], row["demonstrations"]])
         return out.getvalue()

@@ -215,14 +215,14 @@ class BrowserHands:
 
 
 def failure_of(error):
-    return "the trainer is not running" if "service [" in str(error) or isinstance(error, rospy.ROSException) else str(error)
+    is_away = isinstance(error, rospy.ROSException) or "service [" in str(error) or "unable to connect" in str(error)
+    return "the trainer is not running" if is_away else str(error)
 
 
 def call(name, arguments):
     """@return (whether it happened, a sentence, the other fields)."""
     kind = SERVICES[name]
     try:
-        rospy.wait_for_service(name, timeout=0.15)
         answer = rospy.ServiceProxy(name, kind)(**arguments)
     except (rospy.ROSException, rospy.ServiceException, TypeError, ValueError) as error:
         return False, failure_of(error), {}

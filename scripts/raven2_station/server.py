@@ -8,7 +8,7 @@ import ssl
 
 from aiohttp import WSMsgType, web
 
-from . import access, clients
+from . import access, clients, hands
 from .finisher import Finisher
 from .library import Library
 from .records import Records
@@ -24,8 +24,8 @@ LARGEST_BODY = 4 << 10      # [bytes] of a login
 MOST_CLIENTS = 64
 CLOSE_LIMIT = 1.0           # [s] for the pages to answer when the station closes their connections
 HEADERS = {
-    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
-                               "connect-src 'self'; media-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; "
+                               "img-src 'self' blob: data:; connect-src 'self'; media-src 'self'; frame-src 'self'; form-action 'self'; base-uri 'none'; "
                                "frame-ancestors 'self'",
     "X-Content-Type-Options": "nosniff", "Referrer-Policy": "no-referrer", "Cross-Origin-Opener-Policy": "same-origin",
     "Cache-Control": "no-store"}
@@ -69,12 +69,19 @@ def give_cookie(request, response):
     return response
 
 
+def login_page(is_trainee, wrong="", status=200):
+    """@param is_trainee: of the page that is opened after it. @param wrong: a sentence of ours, or ""."""
+    text = (PAGE / "login.html").read_text(encoding="utf-8").replace("{wrong}", wrong)
+    chosen = 'value="/trainee" selected' if is_trainee else 'value="/trainee"'
+    return web.Response(text=text.replace('value="/trainee"', chosen), status=status, content_type="text/html")
+
+
 def page(name):
     async def show(request):
         if has_login(request):
             return web.FileResponse(PAGE / name)
         if request.app[ACCESS].needs_password:
-            return web.FileResponse(PAGE / "login.html")
+            return login_page(name == "trainee.html")
         return give_cookie(request, web.Response(body=(PAGE / name).read_bytes(), content_type="text/html", charset="utf-8"))
     return show
 
@@ -89,7 +96,7 @@ async def login(request):
     wrong = await asyncio.to_thread(request.app[ACCESS].check_password, str(form.get("password", "")))
     if wrong:
         request.app[STATION].refused["wrong_password"] += 1
-        raise web.HTTPForbidden(text=wrong)
+        return login_page(form.get("next") == "/trainee", wrong, status=403)
     response = give_cookie(request, web.Response(status=303))
     response.headers["Location"] = "/trainee" if form.get("next") == "/trainee" else "/"
     return response
@@ -201,6 +208,7 @@ async def serve(station, client, asked):
 def make_station(options, logs):
     own = pathlib.Path(options.config).parent if options.config else None
     station = Station(Library(options.share, own), Records(options.sessions))
+    station.away = hands.Away(logs / "hands_away")
     station.link = RosLink(station.heard, station.changed)
     station.finisher = Finisher(options.programs, options.scripts, station.finished)
     reported = {"last": None}
@@ -213,13 +221,13 @@ def make_station(options, logs):
         station.changed()
 
     station.supervisor = Supervisor(options.programs, options.sessions, station.known, changed, station.records.progress,
-                                    options.robot, logs, options.config)
+                                    options.robot, logs, options.config, options.scale)
     return station
 
 
 def make_app(options):
     """@param options: share, programs, scripts, sessions (folders), config (root file of the user's own configuration, or ""),
-    robot (address or ""), password_hash, local (bool), port."""
+    robot (address or ""), scale (or None), password_hash, local (bool), port."""
     logs = pathlib.Path(options.sessions) / "station_logs"
     station = make_station(options, logs)
     app = web.Application(middlewares=[guard], client_max_size=LARGEST_BODY)
@@ -242,6 +250,8 @@ def make_app(options):
             station.stop_driving()
         await station.supervisor.close()
         await close_pages(station)
+        if not station.is_foreign:
+            station.away.set(False)
         await station.finisher.end()
         for task in app["tasks"]:
             task.cancel()

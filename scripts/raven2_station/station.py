@@ -17,6 +17,8 @@ STATUS_PERIOD = 1.0  # [s]
 ALIVE_PERIOD = 0.5   # [s] between messages that show pages that the station works
 STOP_LIMIT = 2.0     # [s] for the trainer's answer to an emergency stop
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
+ROS_PATIENCE = 3.0   # [s] for the ROS master, before a session starts
+FOREIGN_GONE = "The trainer of the launch file does not answer any more. If its session has ended, choose and press Start."
 REPLAY_START = 30.0  # [s] until a session that is started for a replay is ready
 TRIGGERS = {"end-replay": "end_replay", "stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
             "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}
@@ -31,13 +33,13 @@ class Station:
         self.clients = {}
         self.hands = hands.Hands()
         self.driving = None          # the client that moves the hands
-        self.hands_away = False      # the instructor took them
+        self.away = hands.Away()     # the instructor took them; the server gives it a file
         self.refused = collections.Counter()
         self.newest = {}             # message by kind, for pages that come later
         self.progress = {}           # (session, what) -> (share, text)
         self._daemon_heard = self._hands_sent = None
         self._last_health = None
-        self._was_foreign = False
+        self._was_foreign = self._foreign_gone = False
         self._status_at = self._alive_at = 0.0
 
     # ---- pages
@@ -50,6 +52,9 @@ class Station:
             client.send({"t": "library", **self.known.describe(), "trainees": trainees})
         else:
             client.send({"t": "library", **{key: {e["name"]: e[key] for e in self.known.exercises} for key in ("steps", "tracks")}})
+        self._show_state(client)
+
+    def _show_state(self, client):
         for kind in ("mode", "exercise", "plan", "session"):
             if kind in self.newest and (kind == "exercise" or self.supervisor.is_running or self.is_foreign):
                 client.send(self._for(client, self.newest[kind]))
@@ -80,7 +85,7 @@ class Station:
             state = {**state, "choice": None}
         if client.role == "trainee" and state["choice"]:
             state = {**state, "choice": {**state["choice"], "hazard": "", "when": "", "seed": 0}}
-        return {**state, "drives": self.driving.number if self.driving else None, "hands_away": self.hands_away,
+        return {**state, "drives": self.driving.number if self.driving else None, "hands_away": self.away.is_on,
                 "ros": self.link.is_up, "foreign": self.is_foreign}
 
     @property
@@ -146,6 +151,8 @@ class Station:
             return {"level": 0, "text": "The session starts."}
         if silent and self.supervisor.phase == "running":
             return {"level": 2, "text": "The trainer does not answer. Stop the session and start it again."}
+        if self._foreign_gone and self.supervisor.phase == "idle":
+            return {"level": 1, "text": FOREIGN_GONE}
         if self.supervisor.phase != "running" and not self.is_foreign:
             return {"level": 2 if self.supervisor.trouble else 0,
                     "text": self.supervisor.trouble or {"starting": "The session starts.", "ending": "The session ends."}.get(
@@ -180,18 +187,24 @@ class Station:
         except KeyError:
             return False, "there is no such session", {}
 
-    def _refuse_next_to_a_foreign_trainer(self):
-        if self.is_foreign:
-            raise Refused("a trainer runs that this station did not start, for example from a launch file: end it there first")
-
     def _refuse_running(self, name):
         """@throw Refused for a session that is being recorded, by this station's trainer or a foreign one."""
         foreign = self.newest.get("session", {}).get("directory", "") if self.is_foreign else ""
         if name and name in (self.supervisor.state()["session"], foreign.rstrip("/").rpartition("/")[2]):
             raise Refused("this session is running")
 
+    async def _await_ros(self):
+        """Before a session: without a ROS master no page could see it. @throw Refused."""
+        until = time.monotonic() + ROS_PATIENCE
+        while not self.link.is_up:
+            if time.monotonic() > until:
+                raise Refused(self.health()["text"])
+            await asyncio.sleep(TICK)
+        if self.is_foreign:
+            raise Refused("a trainer runs that this station did not start, for example from a launch file: end it there first")
+
     async def _do_start(self, given, _):
-        self._refuse_next_to_a_foreign_trainer()
+        await self._await_ros()
         directory = await self.supervisor.start(given)
         return True, "The session runs.", str(directory)
 
@@ -202,7 +215,7 @@ class Station:
     _do_end = _do_stop
 
     async def _do_next(self, _, __):
-        self._refuse_next_to_a_foreign_trainer()
+        await self._await_ros()
         directory = await self.supervisor.next()
         return True, "The next attempt runs.", str(directory)
 
@@ -244,11 +257,11 @@ class Station:
         return done, words.answer("cancel-plan", text), more
 
     async def _do_take_hands(self, given, _):
-        self.hands_away = given.get("away") is not False
-        if self.hands_away:
+        self.away.set(given.get("away") is not False)
+        if self.away.is_on:
             self.stop_driving()
         self.changed()
-        return True, "The page has no hands now." if self.hands_away else "A page may drive again.", {}
+        return True, "The page has no hands now." if self.away.is_on else "A page may drive again.", {}
 
     @property
     def is_hand_device(self):
@@ -264,7 +277,7 @@ class Station:
     async def _do_drive(self, _, client):
         if not self.browser_may_drive:
             raise Refused("the instructor has not given the hands to the browser")
-        if self.hands_away:
+        if self.away.is_on:
             raise Refused("the instructor has taken the hands away")
         if self.driving not in (None, client):
             raise Refused("another page drives")
@@ -284,6 +297,7 @@ class Station:
             raise Refused("pictures are view and camera")
         client.wants = set(wants)
         client.acknowledges = given.get("acknowledges") is True
+        self._show_state(client)  # to a page that heard nothing for a moment
         return True, "", {}
 
     async def _do_sessions(self, given, _):
@@ -316,6 +330,7 @@ class Station:
         self._refuse_running(directory.name)
         starts = self.supervisor.phase == "idle" and not self.is_foreign
         if starts:
+            await self._await_ros()
             await self._start_replay(directory.name)
         ok, text, more = await self.link.call("begin_replay", {"session": str(directory)})
         if ok:
@@ -406,7 +421,10 @@ class Station:
 
     def tick(self, now):
         self.hands.watch(now)
+        if self.supervisor.phase != "idle":
+            self._foreign_gone = False
         if self.is_foreign != self._was_foreign:
+            self._foreign_gone = self._was_foreign and self.supervisor.phase == "idle"
             self._was_foreign = self.is_foreign
             self.changed()
         drives = self.is_hand_device and (self.supervisor.is_running or self.driving is not None)

@@ -6,6 +6,7 @@ and start times, so that a number of another process is not mistaken for ours.
 
 import asyncio
 import contextlib
+import difflib
 import json
 import os
 import pathlib
@@ -91,7 +92,8 @@ class Choice:
     @staticmethod
     def _known(what, value, names):
         if value not in names:
-            raise Refused(f"{what} \"{value[:40]}\" is unknown")
+            near = difflib.get_close_matches(value[:40], names, 1)
+            raise Refused(f"{what} \"{value[:40]}\" is unknown" + (f": did you mean \"{near[0]}\"?" if near else ""))
 
     @staticmethod
     def _seed(value):
@@ -113,12 +115,13 @@ class Supervisor:
     """@param programs: folder of the programs. @param sessions: folder for session directories.
     @param robot: "" starts a virtual Raven for each attempt; an address: a real robot there, which is never touched.
     @param changed: called without arguments at each change of state().
-    @param progress: progress(trainee, curriculum) as Records.progress(). @param config: root file for the programs; "": the packaged."""
+    @param progress: progress(trainee, curriculum) as Records.progress(). @param config: root file for the programs; "": the packaged.
+    @param scale: motion scale of every session [-]; None: the driver's."""
 
-    def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None, config=""):
+    def __init__(self, programs, sessions, known, changed, progress, robot="", logs=None, config="", scale=None):
         self._programs, self._sessions = pathlib.Path(programs), pathlib.Path(sessions)
         self._known, self._changed, self._progress, self._robot = known, changed, progress, robot
-        self._config = pathlib.Path(config) if config else None
+        self._config, self._scale = pathlib.Path(config) if config else None, scale
         self._logs = pathlib.Path(logs or self._sessions / "station_logs")
         self._replay = self._logs / "replay"
         self._processes = {}
@@ -136,7 +139,7 @@ class Supervisor:
     # ---- what pages see
 
     def state(self):
-        return {"phase": self.phase, "trouble": self.trouble, "session": self._directory and self._directory.name,
+        return {"virtual": not self._robot, "phase": self.phase, "trouble": self.trouble, "session": self._directory and self._directory.name,
                 "replay": self.is_replay, "choice": self._choice and self._choice.as_dict(), "last": self.last and self.last.name}
 
     @property
@@ -267,15 +270,19 @@ class Supervisor:
             await self._launch("impair", ["--udp", f"{far_master}:127.0.0.1:{master}", "--udp", f"{force}:127.0.0.1:{far_force}",
                                           "--udp", f"{sight}:127.0.0.1:{far_sight}", "--profile", self._profile(choice.link),
                                           "--seed", str(choice.seed)])
-        await self._launch("master_console", [*self._hands(choice), *common, *far])
+        await self._launch("master_console", [*self._hands(choice), *common, *far, *self._scaled(choice)])
         where = ["--robot-host", self._robot, "--strict"] if self._robot else []  # as launch/hardware.launch
         await self._launch("simulator", ["--duration", "0", "--output", str(self._directory), "--motion-label", choice.driver,
-                                         *where, *common, *ports])
+                                         *where, *common, *ports, *self._scaled(choice)])
         await self._await_log()
 
     def _profile(self, link):
         """For `impair`, which takes a preset of the package or a file."""
         return str(self._config.parent / "impairments" / f"{link}.yaml") if self._config else link
+
+    def _scaled(self, choice):
+        scale = self._scale or self._known.scale(choice.driver, bool(self._robot))
+        return ["--scale", str(scale)] if scale else []
 
     @staticmethod
     def _ports(master, robot, force, sight, state):

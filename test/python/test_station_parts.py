@@ -409,6 +409,31 @@ def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
     assert '<arg name="strict" default="true"' in (ROOT / "launch/hardware.launch").read_text()
 
 
+@pytest.mark.parametrize("driver, robot, forced, scale", [
+    ("master:mtm", "", None, "0.2"), ("master:mtm", "192.168.0.102", None, "0.2"), ("browser", "", None, "0.1"),
+    ("scripted", "", None, None), ("scripted", "192.168.0.102", None, "0.05"), ("expert", "192.168.0.102", None, "0.05"),
+    ("master:omni_pair", "192.168.0.102", 0.02, "0.02"), ("scripted", "192.168.0.102", 0.02, "0.02")])
+def test_console_and_daemon_have_the_same_motion_scale(known, tmp_path, driver, robot, forced, scale):
+    """doc/hardware.md: with different ones, forces and record are wrong."""
+    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None, lambda *_: ([], 0), robot=robot, scale=forced)
+    launched = {}
+
+    async def launch(name, arguments):
+        launched[name] = arguments
+
+    async def await_log():
+        pass
+
+    boss._launch, boss._await_log = launch, await_log
+    asyncio.run(boss._start(supervisor.Choice({**GOOD, "driver": driver, **({"exercise": "none", "hazard": "none"} if driver == "scripted" else {})}, known)))
+    for name in ("master_console", "simulator"):
+        given = launched[name]
+        assert (given[given.index("--scale") + 1] if "--scale" in given else None) == scale
+    assert "--scale" not in launched.get("virtual_raven", [])
+    slow = f"""name="scale" default="$(eval '{library.SLOW}' if console"""
+    assert slow in (ROOT / "launch/hardware.launch").read_text()
+
+
 @pytest.mark.parametrize("sender, stream, hearer", [("master_console", "--master-port", "simulator"), ("simulator", "--force-port", "master_console"),
                                                     ("simulator", "--sight-port", "master_console")])
 def test_a_bad_link_carries_each_stream_to_its_hearer(known, tmp_path, sender, stream, hearer):
@@ -811,6 +836,7 @@ def test_the_class_has_a_row_a_trainee_and_a_cell_a_stage(folder):
     lines = store.class_csv(STAGES).splitlines()
     assert len(lines) == 3 and lines[1].startswith("ann,3,2,2,0,yes,1,1,0,no,0,0,0,no,")
     assert "peg transfer with sudden jump done" in lines[0]
+    assert lines[0].endswith(",demonstrated sessions") and lines[1].endswith(f",{ann['demonstrations']}")
 
 
 def test_attempts_count_for_the_stage_under_way_alone():
@@ -1145,6 +1171,56 @@ def test_a_trainer_of_a_launch_file_has_nothing_of_the_session_before(known):
     assert [arguments["name"] for _, arguments in calls] == ["fk_pos", "sudden_jump", "fk_pos"]
 
 
+def test_a_trainer_of_a_launch_file_that_goes_silent_is_no_green(known):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    station.supervisor = types.SimpleNamespace(phase="idle", is_running=False, ended_at=0.0, trouble="", choice=None, state=lambda: {"choice": None})
+    station.link = types.SimpleNamespace(is_up=True, is_taken=False, send=lambda _: None)
+    levels = []
+    for heard, phase in ((None, "idle"), (0.0, "idle"), (9.0, "idle"), (0.0, "idle"), (9.0, "idle"), (9.0, "starting"), (9.0, "idle")):
+        station._daemon_heard = None if heard is None else time.monotonic() - heard
+        station.supervisor.phase = phase
+        station.newest["diagnostics"] = {"status": [["robot", 0, "fine"]]}
+        station.tick(time.monotonic())
+        levels.append(station.health()["level"])
+    assert levels == [0, 0, 1, 0, 1, 0, 0]
+
+
+def test_hands_that_the_instructor_took_stay_away_from_the_page_after_a_kill(tmp_path):
+    file = tmp_path / "station_logs/hands_away"
+    away = hands.Away(file)
+    assert not away.is_on
+    away.set(True)
+    assert hands.Away(file).is_on
+    away.set(False)
+    assert not hands.Away(file).is_on
+    (tmp_path / "station_logs").rmdir()
+    (tmp_path / "station_logs").write_text("no folder")
+    away.set(True)  # a disk that takes nothing
+    assert away.is_on
+
+
+@pytest.mark.parametrize("comes", [True, False])
+def test_a_session_starts_only_with_a_ros_master(known, monkeypatch, comes):
+    monkeypatch.setattr(station_module, "ROS_PATIENCE", 0.2)
+    station, started = station_module.Station(known, None), []
+
+    async def begin(given):
+        started.append(given)
+        return "/s1"
+
+    station.supervisor = types.SimpleNamespace(phase="idle", ended_at=0.0, trouble="", start=begin)
+    station.link = types.SimpleNamespace(is_up=False, is_taken=False)
+
+    async def scenario():
+        asking = asyncio.ensure_future(station.do("start", GOOD))
+        await asyncio.sleep(0.05)
+        station.link.is_up = comes
+        return await asking
+
+    done, text, _ = asyncio.run(scenario())
+    assert done == comes and started == [GOOD] * comes and ("No ROS master" in text) != comes
+
+
 @pytest.mark.parametrize("shares, trouble", [([], ""), ([0.0], ""), ([0.0, None], "no space left"), ([0.0, None, 0.0], ""), ([0.0, 1.0], "")])
 def test_a_verdict_says_whether_the_report_has_failed(tmp_path, shares, trouble):
     """A page that comes later did not hear it."""
@@ -1209,7 +1285,7 @@ def test_a_replay_that_is_refused_leaves_no_program_running(known, tmp_path, ans
             assert station.supervisor.is_replay and station.supervisor.choice.exercise == chosen
             return answer
 
-        station.link = types.SimpleNamespace(call=call)
+        station.link = types.SimpleNamespace(call=call, is_up=True, is_taken=False)
         station.newest["mode"] = {"mode": "pedal_up"}
         ok, said, _ = await station.do("replay", {"session": "s1"})
         assert ok == answer[0] and text in said and station.supervisor.phase == phase
@@ -1304,7 +1380,7 @@ from aiohttp import web
 from raven2_station import server
 folder = pathlib.Path(sys.argv[2])
 options = types.SimpleNamespace(share=sys.argv[3], programs=folder / "programs", scripts=folder, sessions=folder / "sessions", config="",
-                                robot="", password_hash=None, local=True, port=int(sys.argv[4]))
+                                robot="", scale=None, password_hash=None, local=True, port=int(sys.argv[4]))
 app = server.make_app(options)
 app[server.STATION].link._command = ["sleep", "60"]
 
@@ -1451,12 +1527,17 @@ def test_the_left_button_opens_the_jaws_that_it_has_closed(held, chosen):
 NO_BROWSER = """
 const elements = new Map();
 class Node {
-  constructor() { Object.assign(this, { value: "", textContent: "", className: "", hidden: false, dataset: {}, children: [], heard: {} }); }
+  constructor() {
+    Object.assign(this, { value: "", textContent: "", className: "", hidden: false, checked: true, dataset: {}, style: {}, children: [], heard: {} });
+    this.classes = new Set();
+    this.classList = { toggle: (name, isOn) => this.classes[isOn ? "add" : "delete"](name), remove: (name) => this.classes.delete(name) };
+  }
   get options() { return this.children.flatMap((child) => (child.children.length ? child.children : [child])); }
   addEventListener(what, run) { (this.heard[what] = this.heard[what] || []).push(run); }
   fire(what) { for (const run of this.heard[what] || []) run({ preventDefault() {} }); }
+  focus() {}
   replaceChildren(...children) {
-    this.children = children;
+    this.children = children.filter(Boolean);
     if (!this.options.some((option) => option.value === this.value)) this.value = this.options[0]?.value ?? "";
   }
   append(...children) { this.children.push(...children); }
@@ -1490,6 +1571,148 @@ def run_instructors_page(known, code):
                           timeout=60)
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
+
+
+# The trainee's page also needs a window, a lock of the mouse, sounds, and a clock, which `tick` moves.
+OF_A_TRAINEE = """
+let tick, tones = 0;
+globalThis.Worker = class { set onmessage(run) { tick = run; } };
+globalThis.window = Object.assign(new Node(), { isSecureContext: true });
+globalThis.localStorage = { getItem: () => null };
+globalThis.AudioContext = class {
+  currentTime = 0;
+  state = "running";
+  async resume() {}
+  createOscillator() { tones += 1; return { frequency: {}, connect: (node) => node, start() {}, stop() {} }; }
+  createGain() { return { gain: {}, connect: (node) => node }; }
+};
+Object.defineProperty(globalThis, "navigator", { value: { getGamepads: () => [] }, configurable: true });
+Object.assign(document, { hasFocus: () => true, pointerLockElement: null,
+  exitPointerLock() { document.pointerLockElement = null; document.fire("pointerlockchange"); } });
+let now = 1000;
+Object.defineProperty(globalThis, "performance", { value: { now: () => now } });
+element("gamepad").textContent = "No gamepad.";
+for (const id of ["banner", "push-gold", "push-green"]) element(id).hidden = true;
+"""
+DRIVES = """
+link.socket.onopen();
+hear({ t: "hello", number: 7 });
+hear({ t: "library", steps: {}, tracks: {} });
+hear({ ...idle, phase: "running", choice: { driver: "browser" }, drives: 7 });
+document.pointerLockElement = element("screen");
+const pedal = (isDown) => window.heard[isDown ? "keydown" : "keyup"].forEach((run) => run({ code: "Space", preventDefault() {}, stopImmediatePropagation() {} }));
+const later = (ms) => { now += ms; tick(); };
+document.fire("click");
+"""
+
+
+def run_trainees_page(code):
+    if not shutil.which("node"):
+        pytest.skip("node is not installed")
+    modules = [(ROOT / "scripts/raven2_station/page" / name).read_text(encoding="utf-8") for name in ("link.js", "input.js", "trainee.js")]
+    page = re.sub(r"(?m)^import .*$|^export ", "", "".join(modules))
+    done = subprocess.run(["node", "--input-type=module"], input=NO_BROWSER.replace("asked", "requests") + OF_A_TRAINEE + page + DRIVES + code, capture_output=True, text=True,
+                          check=False, timeout=60)
+    assert done.returncode == 0, done.stderr
+    return json.loads(done.stdout)
+
+
+def test_ticks_that_come_in_a_bunch_are_one_message_of_the_hands():
+    sent = run_trainees_page("""
+      pedal(true); requests.length = 0;
+      later(16); tick(); tick(); later(16);
+      console.log(JSON.stringify(requests.filter((a) => a.do === "hands").map((a) => a.with.pedal)));""")
+    assert sent == [True, True]
+
+
+@pytest.mark.parametrize("ends", ["link.socket.onclose();", 'hear({ ...idle, phase: "running", choice: { driver: "browser" }, hands_away: true });'])
+def test_a_page_that_lost_the_hands_shows_no_pedal_and_gives_the_mouse_back(ends):
+    shown = run_trainees_page(f"""
+      hear({{ t: "mode", mode: "teleoperating", pedal: true, text: "The hands move the robot" }});
+      pedal(true); later(16);
+      const before = element("pedal").dataset.down;
+      {ends}
+      pedal(true); later(16);
+      console.log(JSON.stringify([before, element("pedal").dataset.down, document.pointerLockElement, element("mode").textContent,
+        element("drive").textContent, element("picture-note").textContent]));
+      process.exit(0);""")
+    is_cut = "onclose" in ends
+    assert shown == ["yes", "no", None, "No connection" if is_cut else "The hands move the robot", "Take the hands",
+                     "No connection to the station." if is_cut else "No picture comes from the trainer."]
+
+
+def test_a_page_that_heard_nothing_for_a_moment_goes_on_as_the_station_says():
+    """The station still counts it as the one that drives, and tells it so."""
+    shown = run_trainees_page("""
+      const state = { ...idle, phase: "running", choice: { driver: "browser" }, drives: 7 };
+      link.isSilent = true; link.onOpen(false);
+      const without = [drives, element("mode").textContent];
+      requests.length = 0; hear({ t: "alive", level: 0, text: "" });
+      const asks = requests.some((r) => r.do === "watch");
+      hear({ t: "mode", mode: "pedal_up", pedal: false, text: "Ready: press the pedal" }); hear(state);
+      console.log(JSON.stringify([without, asks, drives, element("mode").textContent, element("drive").textContent]));""")
+    assert shown == [[False, "No connection"], True, True, "Ready: press the pedal", "Give the hands back"]
+
+
+@pytest.mark.parametrize("arm, push, angle", [
+    ("gold", [1, 0, 0], -90), ("gold", [0, 0, 1], 0), ("gold", [-1, 0, 0], 90), ("gold", [0, 0, -1], 180),
+    ("green", [1, 0, 0], -90), ("green", [0, 0, 1], 180), ("green", [-1, 0, 0], 90), ("green", [0, 0, -1], 0)])
+def test_an_arrow_points_where_the_hand_is_pushed(arm, push, angle):
+    """core/frames.h: gold x up, z right; green x up, z left. In CSS a positive angle turns clockwise from the right."""
+    turned, is_forced = run_trainees_page(f"""
+      const rest = {{ gold: [0, 0, 0], green: [0, 0, 0] }};
+      hear({{ t: "strips", force: {{ gold: 0, green: 0, {arm}: 2 }}, push: {{ ...rest, {arm}: {push} }} }});
+      console.log(JSON.stringify([element("push-{arm}").style.transform, element("screen").classes.has("forced")]));""")
+    found = math.degrees(float(re.search(r"rotate\((.*?)rad", turned)[1]))
+    assert (found - angle) % 360 == pytest.approx(0, abs=1e-6) and is_forced
+
+
+@pytest.mark.parametrize("newtons, sound, arrow, tones", [(0.49, True, False, 0), (0.5, True, True, 1), (2.0, False, True, 0)])
+def test_a_force_shows_from_half_a_newton_and_sounds_unless_muted(newtons, sound, arrow, tones):
+    found = run_trainees_page(f"""
+      element("sound").checked = {json.dumps(sound)};
+      hear({{ t: "strips", force: {{ gold: {newtons}, green: 0 }}, push: {{ gold: [{newtons}, 0, 0], green: [0, 0, 0] }} }});
+      console.log(JSON.stringify([!element("push-gold").hidden, !element("push-green").hidden, element("screen").classes.has("forced"), tones]));""")
+    assert found == [arrow, False, arrow, tones]
+
+
+@pytest.mark.parametrize("mode, banner", [("stopped", "STOPPED"), ("paused", "PAUSED"), ("teleoperating", None)])
+def test_stopped_and_paused_cover_the_pictures_edge(mode, banner):
+    found = run_trainees_page(f"""
+      hear({{ t: "mode", mode: "{mode}", pedal: false, text: "" }});
+      console.log(JSON.stringify([element("banner").hidden ? null : element("banner").textContent, tones]));""")
+    assert found == [banner, 1 if banner else 0]
+
+
+def test_each_failed_attempt_has_its_cross_in_the_curve():
+    """Also one that broke off before its timer, which has neither time nor score."""
+    attempts = [{"passed": False, "time": None, "score": None}] * 3 + [{"passed": False, "time": 20.0, "score": 0.4}, {"passed": True, "time": 9.0, "score": 1.0},
+                                                                       {"passed": None, "time": 8.0, "score": None}]
+    ends = run_page_script("charts.js", f"""
+      const drawn = [];
+      const context = new Proxy({{}}, {{ get: (_, name) => (name === "moveTo" ? (x, y) => drawn.push([x, y]) : () => {{}}), set: () => true }});
+      drawCurve({{ getContext: () => context, width: 648, height: 260 }}, {json.dumps(attempts)});
+      console.log(JSON.stringify(drawn));""")
+    crosses = [x for x, y in ends if y in (242, 254)]
+    assert sorted(crosses) == [x for i in range(4) for x in 2 * [24 + 100 * i + 44]], ends
+
+
+@pytest.mark.parametrize("improve, shown", [([], "Nothing: every figure is well within its band."), ([{"what": "Time", "how": ""}], "")])
+def test_where_there_is_nothing_to_improve_the_page_says_so(known, improve, shown):
+    found = run_instructors_page(known, f"""
+      hear({{ ...idle, last: "s1" }});
+
+      await answers(asked.find((a) => a.do === "verdict").id, {{ headline: "Passed", passed: true, trouble: "", video: false, improve: {json.dumps(improve)},
+        no_advice: "Nothing: every figure is well within its band." }});
+      console.log(JSON.stringify([element("no-advice").textContent, element("improve").children.map((c) => c.textContent)]));""")
+    assert found == [shown, [i["what"] for i in improve]]
+
+
+def test_a_plan_is_executed_with_the_robot_only_by_its_own_button(known):
+    found = run_instructors_page(known, """
+      for (const id of ["execute", "execute-robot"]) element(id).fire("click");
+      console.log(JSON.stringify(asked.filter((a) => a.do === "execute").map((a) => a.with.on_robot)));""")
+    assert found == [False, True]
 
 
 def test_a_page_that_heard_nothing_for_a_moment_asks_for_the_verdict_again(known):

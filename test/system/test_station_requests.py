@@ -160,6 +160,11 @@ def test_other_computers_need_the_password(guarded):
                     return answer.status == 403
             async with http.get(url + "/") as answer:
                 assert "password" in await answer.text() and not answer.cookies
+            async with http.get(url + "/trainee") as answer:
+                assert 'value="/trainee" selected' in await answer.text(), "who came for this page gets it after the login"
+            async with http.post(url + "/login", data={"password": "wrong", "next": "/trainee"}, headers={"Origin": url}) as answer:
+                text = await answer.text()
+                assert answer.status == 403 and "Wrong password." in text and 'value="/trainee" selected' in text
             assert await refused("/ws?page=instructor") and await refused("/class.csv") and await refused("/sessions/x/report.html")
             for given, origin, status in (("wrong", url, 403), ("operating room 3", "https://evil.example", 403), ("operating room 3", url, 303)):
                 async with http.post(url + "/login", data={"password": given}, headers={"Origin": origin}, allow_redirects=False) as answer:

@@ -69,7 +69,20 @@ export class Strip {
   }
 }
 
-// Score, time and hazard response over a trainee's attempts; a filled mark is a pass.
+function cross(context, x, y) {
+  context.strokeStyle = "#b3160e";
+  context.lineWidth = 3;
+  context.beginPath();
+  for (const side of [-1, 1]) {
+    context.moveTo(x - 6, y - 6 * side);
+    context.lineTo(x + 6, y + 6 * side);
+  }
+  context.stroke();
+  context.lineWidth = 1;
+}
+
+// Score, time and hazard response over a trainee's attempts. A filled mark is a pass; a cross on the axis is none, whether or not
+// it has a time.
 export function drawCurve(canvas, attempts) {
   const context = canvas.getContext("2d");
   const { width, height } = canvas;
@@ -78,6 +91,7 @@ export function drawCurve(canvas, attempts) {
   axes(context, width, height, top, "s", "Time");
   const x = (i) => 24 + (i + 0.5) * ((width - 48) / Math.max(attempts.length, 1));
   attempts.forEach((attempt, i) => {
+    if (attempt.passed === false) cross(context, x(i), height - 12);
     context.strokeStyle = "#0b5cad";
     context.fillStyle = "#0b5cad";
     if (typeof attempt.time === "number") {

@@ -64,7 +64,7 @@ function showStation(message) {
   byId("next").disabled = !message.choice || message.replay || message.foreign || message.phase === "starting" || message.phase === "ending";
   byId("next").textContent = own && !message.replay ? "Stop and next attempt" : "Next attempt";
   byId("stop").disabled = !own;
-  for (const id of ["pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "cancel-plan"]) byId(id).disabled = !runs;
+  for (const id of ["pause", "restart", "inject", "stop-hazard", "view", "plan", "execute", "execute-robot", "cancel-plan"]) byId(id).disabled = !runs;
   byId("take-hands").setAttribute("aria-pressed", message.hands_away);
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
   if (!runs) {
@@ -267,6 +267,7 @@ press("view", "view", () => ({ real: mode.view !== "real" }));
 press("take-hands", "take-hands", () => ({ away: !station.hands_away }));
 press("plan", "plan");
 press("execute", "execute", () => ({ on_robot: false }));
+press("execute-robot", "execute", () => ({ on_robot: true }));
 press("cancel-plan", "cancel-plan");
 
 // A button that was clicked with the mouse would take the next press of the space bar for itself.
@@ -305,9 +306,10 @@ async function showVerdict(name) {
   byId("verdict").className = verdict.passed === true ? "good" : verdict.passed === false ? "bad" : "";
   byId("improve").replaceChildren(...verdict.improve.map((advice) => {
     const item = document.createElement("li");
-    item.textContent = `${advice.what}: ${advice.how}`;
+    item.textContent = advice.how ? `${advice.what}: ${advice.how}` : advice.what;
     return item;
   }));
+  byId("no-advice").textContent = verdict.improve.length ? "" : verdict.no_advice;
   byId("report").hidden = !hasReport;
   byId("report").href = `/sessions/${name}/report.html`;
   byId("video").hidden = !hasReport;
@@ -320,6 +322,7 @@ function hideVerdict(text) {
   byId("verdict").textContent = text;
   byId("verdict").className = "";
   byId("improve").replaceChildren();
+  byId("no-advice").textContent = "";
   for (const id of ["report", "video", "video-link", "progress"]) byId(id).hidden = true;
 }
 

@@ -3,11 +3,12 @@
 import { byId, Link, Picture, showHealth, showTask } from "/static/link.js";
 import { ACTIONS, Hands, isUsable, loadKeys, saveKeys } from "/static/input.js";
 
-const PERIOD_MS = 16;
+const LEAST_MS = 8;  // between two messages of the hands: a page that was held up gets its ticks at once
 const NOTICEABLE = 0.5;  // [N] as in doc/scores.md
 const FORCE_SILENT_MS = 1000;  // no force is known any more
 const REFUSED_MS = 700;  // a held pedal counts within 100 ms, on a busy computer a little later
 const PEDAL_TEXTS = { yes: "Pedal DOWN", no: "Pedal up", refused: "Let the pedal go, then press it again" };
+if (!window.isSecureContext) byId("gamepad").textContent = "No gamepad: browsers allow one only on this computer or over https (--tls-certificate).";
 const NO_GAMEPAD = byId("gamepad").textContent;
 const picture = new Picture(byId("picture"));
 const screen = byId("screen");
@@ -18,6 +19,7 @@ let me = null;
 let steps = {};
 let tracks = {};
 let drives = false;
+let isConnected = false;
 let mode = "";
 let pedalCounts = false;  // as the trainer sees it
 let downSince = null;     // [ms] the pedal is held on this page
@@ -34,12 +36,20 @@ const link = new Link("trainee", {
   exercise: (m) => showTask(m, steps[m.exercise] || [], tracks[m.exercise] || []),
   strips: showForce,
 }, (_, blob) => { lastPicture = performance.now(); picture.show(blob); }, (isOpen) => {
-  if (isOpen) link.wantPictures(["view"]);
+  isConnected = isOpen;
+  if (isOpen) link.wantPictures(["view"]);  // the station answers with its state
   if (!isOpen) {
-    release();
+    showStation({ ...station, drives: null });
+    pedalCounts = false;
+    byId("mode").textContent = "No connection";
     showHealth({ level: 2, text: "The station does not answer. Trying again." });
   }
 });
+
+function loseHands() {
+  release();
+  if (hands.isLocked) document.exitPointerLock();
+}
 
 function showMode(message) {
   mode = message.mode;
@@ -55,18 +65,22 @@ function showMode(message) {
 function showStation(message) {
   station = message;
   const isMine = message.drives !== null && message.drives === me;
-  if (drives && !isMine) release();
+  const isLost = drives && !isMine;
   drives = isMine;
+  if (isLost) loseHands();
   hands.isActive = drives;
   const may = message.foreign || (!message.replay && message.choice && message.choice.driver === "browser" && message.phase === "running");
   byId("drive").disabled = !may && !drives;
   byId("drive").textContent = drives ? "Give the hands back" : "Take the hands";
-  if (message.phase !== "running" && !message.foreign) {
+  const runs = message.phase === "running" || message.foreign;
+  byId("picture-note").textContent = !isConnected ? "No connection to the station." : runs ? "No picture comes from the trainer." : "No picture: no session is running.";
+  if (!runs) {
     byId("mode").textContent = "No session";
     byId("banner").hidden = true;
     clearForce();
   }
-  if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
+  if (!isConnected) byId("said").textContent = "Wait: the page connects again by itself.";
+  else if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
   else if (message.hands_away) byId("said").textContent = "The instructor has the hands.";
   else if (!drives && message.drives !== null) byId("said").textContent = "Another page drives.";
   else if (drives && !hands.isLocked) byId("said").textContent = "Click the picture. Then hold the pedal key and move the mouse.";
@@ -77,10 +91,22 @@ function showStation(message) {
 
 let context = null;
 
-function beep(frequency, seconds, volume = 0.2) {
-  if (!byId("sound").checked) return;
+// Browsers let a page make sounds only from a click on.
+function allowSound() {
   try {
     context = context || new AudioContext();
+    context.resume().catch(() => {});
+  } catch {
+    // no sound on this computer
+  }
+}
+
+document.addEventListener("click", allowSound);
+document.addEventListener("keydown", allowSound);
+
+function beep(frequency, seconds, volume = 0.2) {
+  if (!byId("sound").checked || !context || context.state !== "running") return;
+  try {
     const tone = context.createOscillator();
     const gain = context.createGain();
     tone.frequency.value = frequency;
@@ -141,15 +167,18 @@ screen.addEventListener("click", () => {
   if (drives && !hands.isLocked) lockMouse();
 });
 
-// Browsers refuse the lock for a second after Esc. Old ones return no promise.
+// Browsers refuse the lock for a second after Esc. Old ones return no promise and send an event.
+const NOT_LOCKED = "The browser did not lock the mouse to the picture. Wait a second, then click the picture again.";
+
 async function lockMouse() {
   try {
     await screen.requestPointerLock();
   } catch {
-    byId("said").textContent = "The browser did not lock the mouse to the picture. Wait a second, then click the picture again.";
+    byId("said").textContent = NOT_LOCKED;
   }
 }
 
+document.addEventListener("pointerlockerror", () => { byId("said").textContent = NOT_LOCKED; });
 document.addEventListener("pointerlockchange", () => {
   if (!hands.isLocked) hands.turning = false;
   showStation(station);
@@ -179,8 +208,10 @@ function showPedal(isDown) {
   byId("pedal").textContent = PEDAL_TEXTS[shown];
 }
 
-setInterval(() => {
+// Every 16 ms. A timer of the page itself comes up to 120 ms late on a busy computer, and then the pedal comes up.
+new Worker("/static/ticker.js").onmessage = () => {
   const now = performance.now();
+  if (now - lastSent < LEAST_MS) return;
   const seconds = Math.min(0.1, (now - lastSent) / 1000);
   lastSent = now;
   byId("picture-note").hidden = now - lastPicture < 1500;
@@ -192,7 +223,7 @@ setInterval(() => {
   const message = hands.take(seconds);
   showPedal(message.pedal);
   link.send("hands", message);
-}, PERIOD_MS);
+};
 
 // ---- keys
 
