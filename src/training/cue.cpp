@@ -8,22 +8,38 @@ namespace raven2_trainer::training {
 
 namespace {
 
-bool isFelt(const HandSample& sample) {
-  return std::max(sample.cue_force[0], sample.cue_force[1]) >= kFeltForce;
+using Arms = PerArm<bool>;  ///< those of which something is noticed
+
+Arms felt(const HandSample& sample) {
+  return {at(sample.cue_force, Arm::kGold) >= kFeltForce, at(sample.cue_force, Arm::kGreen) >= kFeltForce};
 }
 
-bool isSeen(const HandSample& sample) {
-  if (sample.has_robot == 0) return false;
-  return std::any_of(kArms.begin(), kArms.end(),
-                     [&](Arm arm) { return distance(at(sample.robot_B, arm), at(sample.model_B, arm)) >= kSeenGap; });
+Arms seen(const HandSample& sample) {
+  const auto part = [&](Arm arm) {
+    return sample.has_robot != 0 && distance(at(sample.robot_B, arm), at(sample.model_B, arm)) >= kSeenGap;
+  };
+  return {part(Arm::kGold), part(Arm::kGreen)};
 }
 
-/** [1 ms] From the injection to the first run that begins in the aftermath and lasts for kNoticed; -1 none. */
-template <typename Is>
-Tick findRun(const HazardWindow& window, Is is) {
+bool any(const Arms& arms) {
+  return at(arms, Arm::kGold) || at(arms, Arm::kGreen);
+}
+
+/** [1 ms] From the injection to the first run that begins in the aftermath and lasts for kNoticed; -1 none. What
+ *  began before the injection, a touch or a late link for example, is not the hazard's: that arm counts once it ended.
+ */
+template <typename Sensed>
+Tick findRun(const HazardWindow& window, Sensed sensed) {
+  Arms before{};
+  if (window.injection > 0) before = sensed(window.samples[window.injection - 1]);
   Tick length = 0;
   for (std::size_t k = window.injection; k < window.samples.size(); ++k) {
-    length = is(window.samples[k]) ? length + 1 : 0;
+    Arms now = sensed(window.samples[k]);
+    for (const Arm arm : kArms) {
+      at(before, arm) = at(before, arm) && at(now, arm);
+      at(now, arm) = at(now, arm) && !at(before, arm);
+    }
+    length = any(now) ? length + 1 : 0;
     if (length <= 1 && k >= window.recovery) return -1;  // none, or it begins too late
     if (length == kNoticed) return static_cast<Tick>(k - window.injection) + 1 - kNoticed;
   }
@@ -33,14 +49,14 @@ Tick findRun(const HazardWindow& window, Is is) {
 }  // namespace
 
 bool isNoticeable(const HandSample& sample) {
-  return isFelt(sample) || isSeen(sample);
+  return any(felt(sample)) || any(seen(sample));
 }
 
 Cue findCue(const HazardWindow& window) {
-  const Tick felt = findRun(window, isFelt), parted = findRun(window, isSeen);
-  const Tick seen = parted < 0 ? -1 : parted + kNoticed;
-  if (felt >= 0 && (seen < 0 || felt <= seen)) return {felt, Sense::kForce};
-  if (seen >= 0) return {seen, Sense::kGhost};
+  const Tick force = findRun(window, felt), parted = findRun(window, seen);
+  const Tick ghost = parted < 0 ? -1 : parted + kNoticed;
+  if (force >= 0 && (ghost < 0 || force <= ghost)) return {force, Sense::kForce};
+  if (ghost >= 0) return {ghost, Sense::kGhost};
   return {};
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <tuple>
 #include <utility>
 
 #include "gtest/gtest.h"
@@ -168,6 +169,41 @@ TEST(HazardResponse, ARobotThatPartsVisiblyIsACue) {
     for (const HazardResponse& nothing :
          {afterGap(arm, 0.0029, 2000), afterGap(arm, 0.01, 99), afterGap(arm, 0.01, 2000, false)})
       EXPECT_EQ(nothing.verdict, Verdict::kNotJudged);
+  }
+}
+
+TEST(HazardResponse, WhatWasThereBeforeTheInjectionIsNoCueUntilItHasEnded) {
+  for (const Arm arm : kArms) {
+    for (const bool is_force : {true, false}) {
+      for (const auto& [from, to, again, cue] : {std::tuple<Tick, Tick, Tick, Tick>{-1, 2000, 2000, -1},
+                                                 {-100, 150, 2000, -1},
+                                                 {-100, 150, 300, 300},
+                                                 {-100, 0, 0, -1},
+                                                 {-100, -1, 0, 0}}) {
+        HazardWindow window = makeQuietWindow(goingOn);
+        for (Tick t = -100; t < 2000; ++t) {
+          if ((t < from || t >= to) && t < again) continue;
+          if (is_force)
+            at(sampleAt(&window, t).cue_force, arm) = 1.0;
+          else
+            at(sampleAt(&window, t).robot_B, arm) = {0.0, 0.0, 0.01};
+        }
+        liftPedal(&window, 900, 6000);
+        const Tick wanted = cue < 0 || is_force ? cue : cue + kNoticed;
+        EXPECT_EQ(judge(window).cue_after, wanted) << name(arm) << is_force << " " << from << " " << to << " " << again;
+      }
+    }
+  }
+}
+
+TEST(HazardResponse, WhatWasThereOfOneArmHidesNoCueOfTheOther) {
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeQuietWindow(goingOn);
+    push(&window, -200, 4000, {0.0, 1.0, 0.0}, arm);
+    push(&window, 150, 1000, {0.0, 1.0, 0.0}, otherArm(arm));
+    liftPedal(&window, 600, 6000);
+    EXPECT_EQ(judge(window).cue_after, 150) << name(arm);
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight) << name(arm);
   }
 }
 
