@@ -56,7 +56,9 @@ def _hazard_of(exercise, hazard, config):
     """"own" is the drill of the exercise; "none" means no hazard."""
     if hazard == "none":
         return None
-    if hazard != "own" or exercise is None:
+    if hazard == "own" and exercise is None:
+        raise ValueError("hazard is \"own\", the exercise's, but this environment has no exercise: name one of config/faults")
+    if hazard != "own":
         return hazard
     return _exercise_file(exercise, config)["drill"]["scenario"]
 
@@ -100,8 +102,8 @@ class Raven(gymnasium.Env):
     def _action_size(self):
         return 7
 
-    def _take(self, number):
-        """Goes to the beginning of a variation, which starts when it is first needed."""
+    def _take(self, number, seed=None):
+        """Goes to the beginning of a variation, which starts when it is first needed. `seed`: of its link's losses and delays."""
         if number not in self._started:
             varied = variation(number, self._make["config"], self._make["robot"])
             simulation = Simulation(seed=0, **self._make, **varied)
@@ -115,10 +117,13 @@ class Raven(gymnasium.Env):
             oldest = next(iter(self._started))
             self._started.pop(oldest)[0].close()
         self._simulation.restore(begin)
+        if seed is not None:
+            self._simulation.reseed_link(seed)
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
-        self._take(int(self.np_random.integers(self._variations)) if self._variations > 1 else 0)
+        number = int(self.np_random.integers(self._variations)) if self._variations > 1 else 0
+        self._take(number, int(self.np_random.integers(1 << 53)) if number else None)
         self._step = self._done_before = 0
         self._strike = int(self.np_random.integers(*STRIKE)) if self._hazard else None
         command = np.zeros((2, 7))

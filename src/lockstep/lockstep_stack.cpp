@@ -267,10 +267,11 @@ LockstepStack::LockstepStack(const TrainerConfig& config,
 
 LockstepStack::~LockstepStack() = default;
 
-void LockstepStack::impair(const Impairment& impairment) {
-  impl_->to_daemon.emplace(impairment, impl_->config.seed, 0, impl_->now_ns);
-  impl_->to_console.emplace(impairment, impl_->config.seed, 1, impl_->now_ns);
-  impl_->pictures_to_console.emplace(impairment, impl_->config.seed, 2, impl_->now_ns);
+void LockstepStack::impair(const Impairment& impairment, std::optional<std::uint64_t> seed) {
+  const std::uint64_t drawn = seed.value_or(impl_->config.seed);
+  impl_->to_daemon.emplace(impairment, drawn, 0, impl_->now_ns);
+  impl_->to_console.emplace(impairment, drawn, 1, impl_->now_ns);
+  impl_->pictures_to_console.emplace(impairment, drawn, 2, impl_->now_ns);
 }
 
 bool LockstepStack::finished() const noexcept {

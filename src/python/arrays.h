@@ -16,9 +16,16 @@ namespace raven2_trainer::python {
 
 using Numbers = pybind11::array_t<double, pybind11::array::c_style | pybind11::array::forcecast>;
 
+/** As numbers of double precision; an empty handle for texts, booleans, complex numbers and what is no array. */
+inline Numbers numbersOf(const pybind11::handle& value) {
+  const auto array = pybind11::array::ensure(value);
+  const bool is_number = array && std::string("iuf").find(array.dtype().kind()) != std::string::npos;
+  return is_number ? Numbers::ensure(array) : pybind11::reinterpret_steal<Numbers>(pybind11::handle());
+}
+
 /** @throw std::invalid_argument unless it is `count` finite numbers. */
 inline std::vector<double> finiteNumbers(const pybind11::handle& value, std::size_t count, const std::string& what) {
-  const auto array = Numbers::ensure(value);
+  const auto array = numbersOf(value);
   if (!array || array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != count) {
     PyErr_Clear();
     throw std::invalid_argument(what + ": expected " + std::to_string(count) + " numbers");
@@ -46,7 +53,7 @@ inline Arm armOf(const std::string& name) {
 
 /** Joints with any leading axes. @throw std::invalid_argument. */
 inline Numbers jointRows(const pybind11::object& given) {
-  auto rows = Numbers::ensure(given);
+  auto rows = numbersOf(given);
   PyErr_Clear();
   if (!rows || rows.ndim() < 1 || rows.shape(rows.ndim() - 1) != static_cast<pybind11::ssize_t>(kJointCount))
     throw std::invalid_argument("joints: expected an array whose last axis has 7 numbers");

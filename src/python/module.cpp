@@ -69,10 +69,21 @@ StepCommand rowsCommand(const Numbers& rows) {
   return command;
 }
 
+/** True, False, 1 or 0, of numpy too. Texts and arrays have a truth as well, which nobody means. */
+bool pedalOf(const py::handle& value) {
+  py::detail::make_caster<bool> caster;
+  if (caster.load(value, /*convert=*/false)) return py::detail::cast_op<bool>(caster);
+  const py::object number = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
+  PyErr_Clear();
+  if (number && number.equal(py::int_(0))) return false;
+  if (number && number.equal(py::int_(1))) return true;
+  throw std::invalid_argument("pedal: expected True or False");
+}
+
 StepCommand stepCommand(const py::object& given) {
   if (given.is_none()) return {{}, true, true};
   if (!py::isinstance<py::dict>(given)) {
-    const auto rows = Numbers::ensure(given);
+    const auto rows = numbersOf(given);
     PyErr_Clear();
     if (rows && rows.ndim() == 2 && rows.shape(0) == 2 && rows.shape(1) == 7) return rowsCommand(rows);
     throw std::invalid_argument("command: expected None, a dict or an array of shape (2, 7)");
@@ -84,7 +95,7 @@ StepCommand stepCommand(const py::object& given) {
     if (name == "gold" || name == "green") {
       at(command.arms, name == "gold" ? Arm::kGold : Arm::kGreen) = armCommand(value, name);
     } else if (name == "pedal") {
-      command.pedal = py::cast<bool>(py::bool_(py::reinterpret_borrow<py::object>(value)));
+      command.pedal = pedalOf(value);
     } else {
       throw std::invalid_argument(name + ": unknown key; known: gold, green, pedal");
     }
@@ -120,6 +131,8 @@ void addCommands(py::class_<Simulation>* target) {
           "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); }, doc("Simulation.save"),
           py::call_guard<Unlocked>())
       .def("restore", &Simulation::restore, doc("Simulation.restore"), py::arg("snapshot"), py::call_guard<Unlocked>())
+      .def("reseed_link", &Simulation::reseedLink, doc("Simulation.reseed_link"), py::arg("seed"),
+           py::call_guard<Unlocked>())
       .def("inject", &Simulation::inject, doc("Simulation.inject"), py::arg("hazard"), py::call_guard<Unlocked>())
       .def("clear_hazards", &Simulation::clearHazards, doc("Simulation.clear_hazards"), py::call_guard<Unlocked>())
       .def("close", &Simulation::close, doc("Simulation.close"), py::call_guard<Unlocked>());

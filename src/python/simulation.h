@@ -37,6 +37,9 @@ struct SimulationOptions {
 /** The configuration that they stand for. @throw ConfigException. */
 TrainerConfig loadConfig(const SimulationOptions& options);
 
+/** Hazards of the robot or of the stream to it would be armed and change nothing. @throw std::invalid_argument. */
+void demandRobotFor(const TrainerConfig& config, const std::string& hazard, bool has_robot);
+
 /** Command to one arm. */
 struct ArmCommand {
   Vec3 move_W{};                     ///< [m] motion of the tool in all ticks together
@@ -95,6 +98,10 @@ class Simulation : public Constructed {
   Snapshot save();
   /** @throw std::invalid_argument for another simulation's. */
   void restore(const Snapshot& snapshot);
+
+  /** From now on the link draws from this seed; packets in flight are lost. Without a bad link nothing changes.
+   *  @throw std::runtime_error if the simulation is recorded: its log has one seed. */
+  void reseedLink(std::uint64_t seed);
 
   /** A scenario of the library, at once. @throw ConfigException; std::runtime_error if too many are armed already. */
   void inject(const std::string& hazard);

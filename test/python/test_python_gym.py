@@ -95,7 +95,23 @@ assert observation["picture"].shape == (48, 64, 3) and observation["picture"].st
 assert env.observation_space.contains(observation)
 env.close()
 
+# each seed of a variation with a bad link has its own losses and delays
+
+wireless = next(n for n in range(1, 30) if raven2_trainer.gym.variation(n)["link"] == "wifi")
+env = gymnasium.make("raven2_trainer/Reach-v0", variations=wireless + 1)
+raven = env.unwrapped
+
+paths = []
+for seed in (1, 2, 1):
+    raven._take(wireless, seed)
+    for _ in range(40):
+        raven.simulation.step({"gold": {"move": [0, 0, 1e-4]}}, ticks=5)
+    paths.append(raven.simulation.state.desired_tips_in_world.copy())
+assert np.array_equal(paths[0], paths[2]) and not np.array_equal(paths[0], paths[1])
+env.close()
+
 # Without a robot there is no hazard of the robot.
+assert "has no exercise" in refused("Reach", hazard="own")
 assert "sudden_jump acts on the robot" in refused("PickRing", hazard="sudden_jump", robot="none")
 print("all good")
 """

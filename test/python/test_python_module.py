@@ -277,12 +277,53 @@ def test_simulate_refuses_what_would_change_the_commands(tmp_path, options, says
     ({"gold": {"move": [0, 0]}}, "gold/move: expected 3 numbers"), ({"gold": {"move": [0, 0, np.nan]}}, "gold/move: not a finite number"),
     ({"gold": {"jump": 1}}, "gold/jump: unknown key"), ({"blue": {}}, "blue: unknown key"), ({"gold": 3}, "gold: expected a dict"),
     (np.zeros((2, 6)), "expected None, a dict or an array"), (np.full((2, 7), np.inf), "not a finite number"), ("x", "expected None"),
-    ({"gold": {"joints": [0] * 7, "jaw": 1}}, "joints go alone"), ({"gold": {"move": "abc"}}, "gold/move: expected 3 numbers")])
+    ({"gold": {"joints": [0] * 7, "jaw": 1}}, "joints go alone"), ({"gold": {"move": "abc"}}, "gold/move: expected 3 numbers"),
+    *(({"gold": {"move": move}}, "gold/move: expected 3 numbers") for move in (["0", "0", "1e-4"], [0, 0, 1j], [True, False, True], [0, 0, None])),
+    *(({"pedal": pedal}, "pedal: expected True or False") for pedal in (np.nan, "False", "no", [0], [], None, 2, -1, 0.5, object(), np.zeros(2)))])
 def test_a_wrong_command_is_refused_and_changes_nothing(ready, command, says):
     before = numbers(ready)
     with pytest.raises(ValueError, match=says.replace("(", r"\(")):
         ready.step(command)
     assert numbers(ready) == before
+
+
+@pytest.mark.parametrize("pedal, is_down", [(True, 1), (False, 0), (np.True_, 1), (np.False_, 0), (1, 1), (0, 0), (np.int8(1), 1), (np.array(0), 0)])
+def test_a_pedal_is_down_or_up(tmp_path, pedal, is_down):
+    with raven2_trainer.Simulation(robot="none", output=tmp_path / "session") as simulation:
+        simulation.start()
+        simulation.step({"pedal": pedal}, ticks=20)
+    assert raven2_trainer.Session(tmp_path / "session").log.ticks["model"]["pedal"][-1] == is_down
+
+
+def test_a_link_draws_from_the_seed_that_it_is_given():
+    with raven2_trainer.Simulation(link="wifi") as simulation:
+        simulation.start()
+        begin = simulation.save()
+
+        def path(seed):
+            simulation.restore(begin)
+            if seed is not None:
+                simulation.reseed_link(seed)
+            seen = []
+            for _ in range(120):
+                simulation.step({"gold": {"move": [0, 0, 5e-5]}}, ticks=5)
+                seen.append(simulation.state.desired_tips_in_world[0].copy())
+            return np.array(seen)
+
+        first, second = path(1), path(2)
+        assert not np.array_equal(first, second) and np.array_equal(first, path(1)) and np.array_equal(path(None), path(None))
+        assert first[-1, 2] - first[0, 2] > 0.003 and second[-1, 2] - second[0, 2] > 0.003, "commands arrive"
+        with pytest.raises(TypeError):
+            simulation.reseed_link("x")
+
+
+def test_without_a_bad_link_its_seed_changes_nothing_and_a_recorded_one_is_refused(ready, tmp_path):
+    before = numbers(ready)
+    ready.reseed_link(7)
+    assert numbers(ready) == before
+    with raven2_trainer.Simulation(link="wifi", output=tmp_path / "session") as simulation:
+        with pytest.raises(RuntimeError, match="has one seed"):
+            simulation.reseed_link(7)
 
 
 def test_wrong_settings_are_refused_with_the_programs_texts():

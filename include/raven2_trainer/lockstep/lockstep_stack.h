@@ -54,8 +54,9 @@ class LockstepStack {
   /** The hands are done; the pedal stays up. */
   bool finished() const noexcept;
 
-  /** From now on the link between console and daemon is bad, in both directions and from the configuration's seed. */
-  void impair(const Impairment& impairment);
+  /** From now on the link between console and daemon is bad, in both directions. Packets in flight are lost.
+   *  @param[in] seed without one, the configuration's. */
+  void impair(const Impairment& impairment, std::optional<std::uint64_t> seed = {});
   /** Signals for faults' triggers, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;
   /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is ignored. */
