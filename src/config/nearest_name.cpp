@@ -6,7 +6,6 @@
 namespace raven2_trainer::config {
 namespace {
 
-constexpr std::size_t kMostMistakes = 2;
 constexpr std::size_t kMostNames = 20;  // of a list that somebody reads
 constexpr std::size_t kLongestTyped = 64;
 
@@ -30,14 +29,14 @@ std::size_t distanceOf(const std::string& a, const std::string& b) {
 
 }  // namespace
 
-std::string nearestName(const std::string& name, const std::vector<std::string>& known) {
+std::string nearestName(const std::string& name, const std::vector<std::string>& known, std::size_t most_mistakes) {
   std::string nearest;
-  std::size_t least = kMostMistakes + 1;
+  std::size_t least = most_mistakes + 1;
   if (name.size() > kLongestTyped) return nearest;
   for (const std::string& each : known) {
     if (each.size() > kLongestTyped) continue;
     const std::size_t distance = distanceOf(name, each);
-    if (distance > least || distance > kMostMistakes || 2 * distance >= std::min(name.size(), each.size())) continue;
+    if (distance > least || distance > most_mistakes || 2 * distance >= std::min(name.size(), each.size())) continue;
     nearest = (distance == least ? nearest + "\" or \"" : "") + each;
     least = distance;
   }

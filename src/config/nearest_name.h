@@ -1,13 +1,15 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
 
 namespace raven2_trainer::config {
 
-/** Of `known` the name that was most likely meant: at most two letters other, missing, too many or changed about, and
- * less than half of them. Of several equal ones all: `a" or "b`, for a place between quotes. Empty without one. */
-std::string nearestName(const std::string& name, const std::vector<std::string>& known);
+/** Of `known` the name that was most likely meant: at most `most_mistakes` letters other, missing, too many or changed
+ * about, and less than half of them. Of several equal ones all: `a" or "b`, for a place between quotes. Empty without
+ * one. */
+std::string nearestName(const std::string& name, const std::vector<std::string>& known, std::size_t most_mistakes = 2);
 
 /** The message about an unknown name: it suggests the nearest known one, else it lists the known ones, 20 at most.
  * @param[in] what "exercise". */

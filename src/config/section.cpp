@@ -318,11 +318,12 @@ std::string Section::yaml() const {
   return std::string(out.c_str()) + "\n";
 }
 
-/** An unread key of almost that name is taken for it, mistyped. */
+/** An unread key that is one mistake away is taken for it. With two mistakes it may be another key: robot_port for
+ *  robot_host. */
 std::string Section::missing(const std::string& key) const {
   for (const auto& entry : *node_) {
     const std::string each = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (each == key || read_.count(each) > 0 || nearestName(key, {each}).empty()) continue;
+    if (each == key || read_.count(each) > 0 || nearestName(key, {each}, 1).empty()) continue;
     return placeOf(each, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(each) + hintOf(key) + " (" +
            key + " is missing)";
   }

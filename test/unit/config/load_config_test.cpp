@@ -308,6 +308,19 @@ TEST_F(LoadConfig, WrongTypesAreRefused) {
   }
 }
 
+TEST_F(LoadConfig, AMissingKeyIsNamedAndARightOneNotTakenForIt) {
+  replace("network.yaml", "robot_host: ", "# robot_host: ");
+  EXPECT_NE(message().find("robot_host is missing"), std::string::npos) << message();
+  EXPECT_EQ(message().find("robot_port"), std::string::npos) << "it is right: " << message();
+  SetUp();
+  replace("haptics.yaml", "\nmax_force: ", "\n# max_force: ");
+  EXPECT_NE(message().find("max_force is missing"), std::string::npos) << message();
+  EXPECT_EQ(message().find("did you mean"), std::string::npos) << message();
+  SetUp();
+  replace("network.yaml", "robot_host: ", "robt_host: ");
+  EXPECT_NE(message().find("unknown key robt_host: did you mean \"robot_host\"?"), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, BrokenYamlIsRefusedWithItsLine) {
   replace("network.yaml", "robot_port: ", "robot_port: [1, ");
   EXPECT_TRUE(std::regex_search(message(), std::regex("network.yaml:[0-9]+: "))) << message();
