@@ -59,6 +59,14 @@ void makeClumsy(const Clumsiness& clumsiness, std::vector<Verb>* verbs, Skill* s
     demandBetween(*clumsiness.tremor, 0.0, 100.0, "tremor");
     skill->tremor = *clumsiness.tremor;
   }
+  if (clumsiness.clutch_time) {
+    demandBetween(*clumsiness.clutch_time, 0.1, 10.0, "clutch_time");
+    skill->clutch_time = *clumsiness.clutch_time;
+  }
+  if (clumsiness.clutch_reach) {
+    demandBetween(*clumsiness.clutch_reach, 0.05, 1.0, "clutch_reach");
+    skill->clutch_reach = *clumsiness.clutch_reach;
+  }
 }
 
 }  // namespace raven2_trainer::console

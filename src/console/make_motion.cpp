@@ -38,7 +38,7 @@ void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
     if (hand.name == name) return;
   }
   throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name +
-                        " has no such clumsy hand; those it has: " + clumsySurgeonOf(config.exercise));
+                        " has no such clumsy surgeon; those it has: " + clumsySurgeonOf(config.exercise));
 }
 
 std::unique_ptr<MotionSource> makeSurgeon(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {

@@ -151,7 +151,7 @@ Clumsiness clumsinessOf(const Exercise& exercise, const SceneRoles&, const std::
   const auto hand = std::find_if(exercise.clumsy.begin(), exercise.clumsy.end(),
                                  [&name](const ClumsyHand& each) { return each.name == name; });
   if (hand == exercise.clumsy.end())
-    throw ConfigException(exercise.file + ": there is no clumsy hand \"" + name + "\"");
+    throw ConfigException(exercise.file + ": there is no clumsy surgeon \"" + name + "\"");
   Values values(hand->values, hand->place);
   Clumsiness clumsiness;
   if (values.find("change/verb") != nullptr) clumsiness.verb = static_cast<std::size_t>(values.number("change/verb"));
@@ -161,6 +161,8 @@ Clumsiness clumsinessOf(const Exercise& exercise, const SceneRoles&, const std::
   if (values.find("skill/speed") != nullptr) clumsiness.speed = values.number("skill/speed");
   if (values.find("skill/pause") != nullptr) clumsiness.pause = values.number("skill/pause");
   if (values.find("skill/tremor") != nullptr) clumsiness.tremor = values.number("skill/tremor");
+  if (values.find("skill/clutch_time") != nullptr) clumsiness.clutch_time = values.number("skill/clutch_time");
+  if (values.find("skill/clutch_reach") != nullptr) clumsiness.clutch_reach = values.number("skill/clutch_reach");
   values.finish("expect/");
   return clumsiness;
 }

@@ -15,7 +15,7 @@ constexpr double kUnhurried = 0.020;                          ///< [m/s] slower 
 constexpr double kClosing = 1.5;                              ///< [rad/s] mean, of the jaws
 constexpr double kNearEnough = 0.0003, kTurnedEnough = 0.02;  ///< [m, rad] not worth a correction
 constexpr double kRunLevelTimeout = 1.5;                      ///< [s] to wait for the robot's
-constexpr double kClutchTime = 0.5;                           ///< [s] pedal up at least
+constexpr double kStopTime = 0.5;                             ///< [s] pedal up at least, after a stop
 constexpr double kHoldsOpening = 0.15;                        ///< [rad] jaws closed on nothing open less
 constexpr double kHoldsWithin = 0.006;                        ///< [m] of a ring from where its grip would have it
 constexpr double kEyeByTip = 3.0;                             ///< [-] way of the camera's eye by a tool's, about
@@ -76,7 +76,7 @@ Intent Surgeon::tick(const Senses& senses) {
  *  for a moment after that. The stop of a robot can be seen as well, but what to do about it is the Reaction's. */
 bool Surgeon::waitsForStop() {
   const bool is_stopped = sight_ && sight_->mode == Mode::kStopped && sight_->runlevel != RunLevel::kEStop;
-  if (is_stopped) wait_ = toTicks(kClutchTime);
+  if (is_stopped) wait_ = toTicks(kStopTime);
   if (wait_ == 0) return false;
   if (!is_stopped && --wait_ == 0) free_at_ = std::max(free_at_, now_ + takeUpAgain());
   return wait_ > 0;
@@ -201,9 +201,9 @@ std::vector<Surgeon::Step> Surgeon::clutch() {
   const Step release = [this] {
     pedal_ = false;
     for (const Arm arm : kArms)
-      hand(arm).comeBack(now_, toTicks(kClutchTime) - 1);
+      hand(arm).comeBack(now_, toTicks(skill_.clutch_time) - 1);
     first({until([this] { return isLevel(runlevel_, RunLevel::kPedalUp); }, kRunLevelTimeout)});
-    return toTicks(kClutchTime);
+    return toTicks(skill_.clutch_time);
   };
   const Step look = [this] { return takeUpAgain(); };
   return {[] { return toTicks(0.1); }, release, [this] { return press(); }, look};

@@ -6,6 +6,7 @@ import subprocess
 import sys
 
 import pytest
+import yaml
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SCRIPT = ROOT / "scripts/measure_drills"
@@ -83,6 +84,22 @@ def test_every_session_has_the_chosen_configuration(monkeypatch, config, tmp_pat
     assert [(path, of["--exercise"], of["--drill"]) for path, of in calls] == [(config, "odd", "jolt")] * 2
 
 
+def test_with_a_rhythm_each_drill_is_done_by_a_surgeon_who_clutches_so(monkeypatch, tmp_path):
+    calls = []
+
+    def simulate(output, *options, config):
+        exercise = yaml.safe_load((config.parent / f"exercises/{options[1]}.yaml").read_text())
+        calls.append((exercise["clumsy"]["clutch_2_0p1"]["skill"], options[options.index("--motion") + 1]))
+        raise measure_drills.raven2_lockstep.LockstepError("no session")
+
+    monkeypatch.setattr(measure_drills.raven2_lockstep, "simulate", simulate)
+    monkeypatch.setattr(measure_drills.raven2_lockstep, "require_program", lambda: None)
+    monkeypatch.setattr(sys, "argv", ["measure_drills", "--clutch", "2,0.1", "--output", str(tmp_path / "own.csv"), "--seeds", "1", "--reactions", "none"])
+    assert measure_drills.main() == 1, "no session came about"
+    exercises = measure_drills.with_a_drill(ROOT / "config/trainer.yaml")
+    assert calls == [({"clutch_time": 2, "clutch_reach": 0.1}, "clumsy:clutch_2_0p1")] * len(exercises)
+
+
 def test_without_a_configuration_it_is_the_packaged_one(monkeypatch):
     monkeypatch.setattr(sys, "argv", ["measure_drills"])
     options = measure_drills.read_options()
@@ -91,7 +108,11 @@ def test_without_a_configuration_it_is_the_packaged_one(monkeypatch):
     assert "sudden_jump" in measure_drills.scenarios(options.config)
 
 
-@pytest.mark.parametrize("arguments, reason", [(["--config", "CONFIG"], "--config needs --output"),
+@pytest.mark.parametrize("arguments, reason", [(["--config", "CONFIG"], "--config and --clutch need --output"),
+                                               (["--clutch", "2,0.1"], "--config and --clutch need --output"),
+                                               (["--clutch", "2", "--output", "x.csv"], "expected S,M"),
+                                               (["--clutch", "2,9", "--output", "x.csv"], "expected 0.1 to 10 s"),
+                                               (["--clutch", "2,0.1", "--motion", "scripted", "--output", "x.csv"], "no --motion"),
                                                (["--config", "nowhere.yaml"], "--config: nowhere.yaml is not a file")])
 def test_a_table_is_not_mixed_from_two_configurations(config, tmp_path, arguments, reason):
     arguments = [str(config) if argument == "CONFIG" else argument for argument in arguments]

@@ -17,6 +17,8 @@ struct Clumsiness {
   std::optional<double> speed;      ///< [-] factor on both speeds
   std::optional<double> pause;      ///< [s]
   std::optional<double> tremor;     ///< [-]
+  std::optional<double> clutch_time;   ///< [s] pedal up in a clutch
+  std::optional<double> clutch_reach;  ///< [m] of a hand from its middle before it clutches
 };
 
 /** @throw ConfigException for a verb that is not there or cannot be changed so, and for numbers out of range. */

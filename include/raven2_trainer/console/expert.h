@@ -54,6 +54,7 @@ struct Skill {
   double tremor{1.0};                     ///< [-] on console.yaml's
   double slowest{0.020}, fastest{0.060};  ///< [m/s] mean speeds of the tool
   double pause{0.2};                      ///< [s] between verbs, up to twice as long
+  double clutch_time{0.5};                ///< [s] pedal up at least, while the hands come back
   double clutch_reach{0.25};  ///< [m] of a hand from its middle before it clutches; the longest of the other script's
   int tries{3};               ///< [-] of a verb that went wrong
 };

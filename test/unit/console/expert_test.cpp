@@ -342,6 +342,32 @@ TEST_F(ExpertTest, ThrowsForAVerbThatTheSceneDoesNotHave) {
 
 // ---- clumsy ---------------------------------------------------------------------------------------------------------
 
+TEST_F(ExpertTest, WhoClutchesEarlierDoesSoMoreOftenAndForAsLongAsHeLikes) {
+  struct Rhythm {
+    int pedal_ups;
+    double seconds;
+  };
+  const auto rhythm = [this](double time, double reach) {
+    std::vector<Verb> verbs{verb(VerbKind::kGrip, Arm::kGold), carry(Arm::kGold, kMiddle)};
+    Skill skill;
+    Clumsiness habit;
+    habit.clutch_time = time;
+    habit.clutch_reach = reach;
+    makeClumsy(habit, &verbs, &skill);
+    FakeWorld& world = start(verbs, skill);
+    world.run(300.0);
+    EXPECT_TRUE(world.finished());
+    EXPECT_LT(off(world.ring(), kMiddle), 0.001);
+    return Rhythm{world.pedalUps(), world.seconds()};
+  };
+  const Rhythm usual = rhythm(0.5, 0.25), early = rhythm(0.5, 0.1), slow = rhythm(3.0, 0.1);
+  EXPECT_GT(early.pedal_ups, usual.pedal_ups);
+  EXPECT_EQ(slow.pedal_ups, early.pedal_ups);
+  EXPECT_NEAR(slow.seconds - early.seconds, 2.5 * (early.pedal_ups - 1), 1.0) << "the last one is the end";
+  for (const auto& [time, reach] : {std::pair{0.05, 0.25}, {11.0, 0.25}, {0.5, 0.04}, {0.5, 1.1}})
+    EXPECT_THROW(rhythm(time, reach), ConfigException) << time << " " << reach;
+}
+
 TEST_F(ExpertTest, WhoLetsGoOnTheWayDropsTheRing) {
   std::vector<Verb> verbs = wholeTask();
   Skill skill;
