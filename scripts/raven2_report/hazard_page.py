@@ -31,7 +31,7 @@ def _unexplained(facts):
     rows = [[number(d["at_s"], 3, "s"), number(1000 * (d["end_s"] - d["at_s"]), 0, "ms"), d["arm"],
              number(d["error_mm"], 2, "mm"), number(d["force_N"], 2, "N")] for d in facts.deviations]
     return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, the hand felt it, and this session knows of no fault "
-            "then. A fault that was injected by other means, as by the library at the USB boundary, looks so; "
+            "then. A fault that the library at the USB boundary injected looks like this; "
             "<code>merge_truth DIR FILE</code> brings in what that library wrote.</p>"
             + table(["Began", "Lasted", "Arm", "Largest tip error", "Strongest force"], rows, {0, 1, 3, 4}))
 
@@ -143,7 +143,7 @@ def _curves(facts, hazard, low, high, arm, axis):
     origin = series.p_model[facts.index(hazard["at_s"]), arm]
     model, robot = (1000.0 * (p[shown, arm] - origin) @ axis for p in (series.p_model, series.p_robot))
     near = (series.force_t >= low) & (series.force_t <= high)
-    return (("Way of the tip [mm], along the direction in which the robot left it", t,
+    return (("Motion of the tip [mm], along the direction in which the robot left its path", t,
              [(model, drawing.MODEL, "", "model"), (robot, drawing.ROBOT, "6 3", "robot")], None),
             ("Distance of the tips of model and robot [mm]", t,
              [(series.error_mm[shown, arm], drawing.INK, "", "distance")], series.tolerance_mm),

@@ -151,8 +151,8 @@ bool isToBeDrawn(const Options& o, const std::string& directory) {
   return false;
 }
 
-/** All are looked at before the first is drawn: so the time left is that of what is to be drawn, and what --again is
- * about is noted of every session. */
+/** Looks at the sessions first, so that the time left counts only videos to draw, and marks those that --again
+ * replaces. */
 std::vector<std::string> toBeDrawn(const Options& o, const std::vector<std::string>& directories, Failures* failures) {
   std::vector<std::string> out;
   for (const std::string& directory : directories) {

@@ -44,8 +44,8 @@ void checkModelVersion(const session::SessionPaths& paths, int recorded) {
   if (recorded == kModelVersion) return;
   throw SessionException(paths.directory + ": recorded with version " + std::to_string(recorded) +
                          " of the nominal model, this program has version " + std::to_string(kModelVersion) +
-                         ", whose contacts are others (doc/model.md, Versions): the session can be read and exported, "
-                         "but not simulated or scored again");
+                         " (doc/model.md, Versions): the session can be read and exported, but not simulated or scored "
+                         "again");
 }
 
 }  // namespace

@@ -278,9 +278,9 @@ def advice(**changes):
     ({"passed": True}, "Nothing: every figure is well within its band."),
     ({}, "Nothing: every figure is well within its band."),
     ({"metrics": {"time": made.metric(2.0)}}, "Unknown: no figure was judged."),
-    ({"passed": False, "status": "failed"}, "No figure is to be worked on: what failed is named above."),
-    ({"status": "failed", "metrics": {}}, "No figure is to be worked on: what failed is named above."),
-    ({"passed": False, "status": "running"}, "No figure is to be worked on: what failed is named above."),
+    ({"passed": False, "status": "failed"}, "The reason is given above. No figure needs work."),
+    ({"status": "failed", "metrics": {}}, "The reason is given above. No figure needs work."),
+    ({"passed": False, "status": "running"}, "The reason is given above. No figure needs work."),
     ({"status": "running"}, ""), ({"status": "waiting", "metrics": {}}, "")],
     ids=["passed", "not judged", "no band", "failed", "failed without a band", "unfinished", "running", "waiting"])
 def test_a_page_without_advice_says_why(changes, said):

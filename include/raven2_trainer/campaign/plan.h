@@ -22,7 +22,7 @@ struct Experiment {
   std::int64_t injection{};            ///< row of the published table; 0 none
   std::int64_t number{};               ///< of the scenario library; 0 none
   std::string observed;                ///< what was published
-  std::vector<std::string> published;  ///< classes of outcome that this comes to
+  std::vector<std::string> published;  ///< classes of outcome that match the published observation
 };
 
 /** One injection. */
@@ -68,7 +68,7 @@ Campaign readCampaign(const std::string& text,
 std::vector<CampaignRun> inOrderOfForks(const std::vector<CampaignRun>& runs);
 
 /** The `shard`-th of `shards` parts, from 1: neighbours in the order of forks, so that few golden runs are shared.
- *  @throw ConfigException for a shard that there is not. */
+ *  @throw ConfigException if there is no such shard. */
 std::vector<CampaignRun> shardOf(const std::vector<CampaignRun>& runs, std::size_t shard, std::size_t shards);
 
 }  // namespace raven2_trainer::campaign

@@ -43,12 +43,13 @@ struct Intent {
 
 /** View and forces of the surgeon. */
 struct Senses {
-  std::uint32_t sequence{};    ///< of the ITP packet that what is done now goes out with
+  std::uint32_t sequence{};    ///< number of the ITP packet that carries this tick's motion
   std::optional<Sight> sight;  ///< the newest picture; none before the first
   ForcePacket force{};         ///< the newest force; none once it is 50 ms old
   PerArm<Vec3> deflection{};   ///< [m] [@frame I] how far it pushes each hand now
-  bool was_interrupted{};      ///< since the last tick the pedal was up, by somebody else's will, and is down again
-  bool may_move{true};         ///< the robot was ready, once; before that only real hands are asked, and none moves
+  bool was_interrupted{};      ///< since the last tick something else than the surgeon raised the pedal, and it is down
+                               ///< again
+  bool may_move{true};         ///< the robot was ready once; before that only hand devices are read, and no arm moves
 };
 
 /** A source of motion, stepped once a millisecond. */
@@ -84,8 +85,8 @@ class Console {
    * force. */
   Reject applyForce(const ForcePacket& force) noexcept;
 
-  /** A picture. @return kOutOfOrder or kDuplicate if a newer one or this one was seen, kNotFinite if it shows what
-   * cannot be. */
+  /** A picture. @return kOutOfOrder or kDuplicate if a newer one or this one was seen, kNotFinite if a
+   * value is NaN or infinite, or a quaternion far from unit length. */
   Reject applySight(const Sight& sight) noexcept;
 
   /** One millisecond: the next packet. */
@@ -94,7 +95,7 @@ class Console {
   /** Pedals held next to the one that ITP carries, bits of core/pedals.h. */
   std::uint32_t pedals() const noexcept;
   bool finished() const noexcept;
-  /** Its hands are. */
+  /** Whether its motion comes from hand devices. */
   bool isReal() const noexcept;
   /** [m] how far the force pushes each hand now. */
   PerArm<Vec3> deflection() const noexcept;

@@ -46,8 +46,8 @@ class ServoTarget {
 
   ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, Arm arm) noexcept;
 
-  /** The set point; what is asked for stays, but a servo command that leads farther from here than one may. Moves begin
-   *  here. @param[in] opening [rad]. */
+  /** The set point. A pending command stays, unless it is a servo command farther from here than one step may lead.
+   *  Moves begin here. @param[in] opening [rad]. */
   void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
   /** The same of the arm alone; its jaws go on. */
   void startFrom(const Pose& X_BT, const JointArray& q) noexcept;
@@ -70,8 +70,8 @@ class ServoTarget {
   std::uint32_t moves() const noexcept { return moved_; }     ///< move_* that were accepted, of arm or jaws
   double ratio() const noexcept { return ratio_; }            ///< of move_speed and move_turn_rate
   std::uint32_t runOut() const noexcept { return run_out_; }  ///< twists and rates that their time-out ended
-  std::uint32_t ended() const noexcept { return ended_; }     ///< motions whose path led no farther
-  bool hasGoal() const noexcept;                              ///< something leads somewhere
+  std::uint32_t ended() const noexcept { return ended_; }     ///< motions that ended because their path was blocked
+  bool hasGoal() const noexcept;                              ///< a command is still followed
   Pose goal() const noexcept;                                 ///< where the newest command leads; else the set point
 
  private:

@@ -16,8 +16,8 @@ struct TrialSample {
 
 /**
  * The set points of a virtual trial, tick by tick. Joints and not increments: a clutch starts again from where the
- * arms are, so increments do not add up over it. There the joints asked for step back by what the arms lagged behind
- * them; on the tape that step is spread over the ticks after it, so that it can be followed without a jump.
+ * arms are, so increments do not add up over it. There the commanded joints jump back by the arms' lag; on
+ * the tape that step is spread over the ticks after it, so that it can be followed without a jump.
  *
  * Its memory is taken, and touched, at construction; the rest is real-time safe.
  */
@@ -43,7 +43,7 @@ class TrialTape {
   std::vector<TrialSample> samples_;
   std::size_t size_{0};
   bool is_marked_{false};
-  PerArm<JointArray> offset_{};  ///< of what was asked for before the last mark from what was asked for behind it
+  PerArm<JointArray> offset_{};  ///< commanded joints before the last mark minus those behind it
   std::size_t since_mark_{0};    ///< [ticks]
 };
 

@@ -49,7 +49,7 @@ class Simulator {
    *  returns, the sink before is not called any more. */
   void setImageSink(ImageSink sink);
 
-  /** @throw RealtimeException if a thread cannot be had. */
+  /** @throw RealtimeException if a thread cannot be created. */
   void start();
 
   SimulatorState state() const;
@@ -60,7 +60,7 @@ class Simulator {
   /** Zero force first, pedal up to the robot, then the other threads, then the session's files. Safe to call twice. */
   void stop();
 
-  /** After stop(): whether the session's files were written to their end. A disk that refuses ends no session. */
+  /** After stop(): whether the session's files were written to their end. A write error ends no session. */
   bool recorded() const noexcept;
 
   /** For RequestKind::kBeginReplay: SessionPlayer::open(). Any thread but the real-time ones. @throw SessionException

@@ -37,7 +37,7 @@ class FaultEngine {
 
   /** Takes over a plan if its generation is new: faults that stay keep their progress, unless it is another session's:
    *  then everything begins again, the clocks of the pedal and of packets too. A suspended plan leaves the faults in
-   *  their places and lets none act. */
+   *  their places, and none acts. */
   void setPlan(const FaultPlan& plan) noexcept;
 
   /** Once a cycle, before any apply. */
@@ -45,7 +45,7 @@ class FaultEngine {
   /** Once a packet, before any apply to it. */
   void beginPacket(bool pedal_down) noexcept;
 
-  /** Lets none act until it is false again: time goes on, and what has come by then is passed over for as long. */
+  /** None acts until it is false again. Time goes on: faults that become due meanwhile are skipped for as long. */
   void hold(bool is_held) noexcept;
   bool isHeld() const noexcept { return held_; }
 
@@ -55,7 +55,7 @@ class FaultEngine {
   /** The oldest unreported beginning or end; the host sets `cycle`, by its clock. @return false without
    * one. If nobody asks, the newest are lost. */
   bool nextChange(FaultChange* change) noexcept;
-  /** Those lost so, since the start. */
+  /** Changes lost because nobody asked, since the start. */
   std::uint64_t changesUnreported() const noexcept { return number_ - changes_begun_; }
 
   /** One element of a variable after its faults. `arm` is ignored for a variable without arms. */

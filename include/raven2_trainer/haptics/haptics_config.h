@@ -10,7 +10,7 @@ namespace raven2_trainer {
 /** Passivity observer and controller of the haptic port (haptics/passivity_guard.h). */
 struct PassivityConfig {
   bool enabled{};         ///< false: the energy is observed and recorded, the force is the law's
-  double max_delay{};     ///< [s] longest way of a force to the hand and of its motion back that is reckoned with
+  double max_delay{};     ///< [s] longest assumed round trip: the force to the hand, its motion back
   double budget{};        ///< [J] that the port may give a hand beyond what the hand's damping takes
   double bank{};          ///< [J] most that can be left of it at any time, whatever the hand took before
   double hand_damping{};  ///< [Ns/m] least damping of hand and master together

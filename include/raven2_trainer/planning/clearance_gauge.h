@@ -25,8 +25,8 @@ class ClearanceGauge {
 
   /**
    * @param[in] q, other [rad; m] joints of the arm and of the other one.
-   * @return [m] least distance, at most kRange; 0 where the arm touches, or where joints are no numbers. Exact but for
-   *         two boxes, whose distance may be larger (solid.h, separation()).
+   * @return [m] least distance, at most kRange; 0 where the arm touches, or where a joint is NaN or infinite. Exact but
+   * for two boxes, whose distance may be larger (solid.h, separation()).
    */
   double measure(Arm arm, const JointArray& q, const JointArray& other) noexcept;
 

@@ -13,8 +13,8 @@ namespace raven2_trainer::preload {
  * Faults between a control program and its socket: the site network_layer on plain ITP packets as recvfrom gave them,
  * before any check of the program's.
  *
- * For one thread, the program's network thread. It learns of cycles when packets come: a fault acts from the cycle that
- * it should, but a packet that is held back comes out with a later call. Real-time safe after construction.
+ * For one thread, the program's network thread. Its cycle changes only when a packet comes: a fault still begins in
+ * its own cycle, but a packet that is held back comes out with a later call. Real-time safe after construction.
  */
 class NetworkFaults {
  public:
@@ -23,7 +23,7 @@ class NetworkFaults {
 
   /** A packet has come. @param[in] now_ns [ns] for the log. */
   void offer(const wire::ItpBytes& bytes, std::int64_t now_ns) noexcept;
-  /** The next that the program is to get: the received bytes without a fault. @return false without a packet. */
+  /** The next packet for the program: the received bytes without a fault. @return false without a packet. */
   bool take(wire::ItpBytes* bytes, std::int64_t now_ns) noexcept;
 
   const ChangeLog& log() const noexcept { return log_; }

@@ -37,7 +37,7 @@ struct PlantAxis {
   double viscous{};          ///< [Nms/rad] of motor and gear
   double link_coulomb{};     ///< [Nm; N] dry friction at the joint
   double link_viscous{};     ///< [Nms/rad; Ns/m] at the joint
-  double cable_stiffness{};  ///< [N/m] force by stretch at the capstan; elastic cables only
+  double cable_stiffness{};  ///< [N/m] force per stretch at the capstan; elastic cables only
   double cable_damping{};    ///< [Ns/m] elastic cables only
 };
 

@@ -13,7 +13,7 @@ namespace raven2_trainer::recording {
 struct TimingVerdict {
   double on_time{};          ///< [0, 1] share of ticks that ended within 1 ms of their release
   double calibrated_miss{};  ///< [0, 1] share of the bare thread's ticks that did not
-  double allowed_miss{};     ///< [0, 1] three times that and a thousandth
+  double allowed_miss{};     ///< [0, 1] 3 calibrated_miss + 0.001
   bool pass{};               ///< ticks there were, no more missed than allowed, and no time was given up
   const char* words{};       ///< as libfranka's communication test: good; warn below 0.95; bad below 0.90
 };

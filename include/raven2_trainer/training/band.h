@@ -18,7 +18,7 @@ struct BandMetric {
   double mean{};
   double deviation{};  ///< sample deviation
   Better better{Better::kLower};
-  double least{};  ///< spread that is granted in any case; a count that is always 0 may be so large
+  double least{};  ///< smallest spread; lets a count whose mean is 0 vary by this much
 };
 
 struct Band {
@@ -33,7 +33,7 @@ struct Band {
 
 namespace raven2_trainer::training {
 
-/** How a value lies to a band. */
+/** A value compared with a band. */
 struct BandJudgement {
   double limit{};   ///< worst value that passes
   double spread{};  ///< that was granted: the greatest of deviation, least, and least_spread of the mean (not of ldlj)

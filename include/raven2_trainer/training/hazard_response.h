@@ -35,7 +35,7 @@ constexpr std::array<const char*, 3> kSenseNames{"none", "force", "ghost"};
 enum class Verdict : std::uint8_t {
   kNone,   ///< no response that the rule names
   kRight,  ///< a right one, in time
-  kLate,   ///< a right one, too late, but in twice the time
+  kLate,   ///< a right one after the limit, but within twice the limit
   kWrong,
   kNotJudged,  ///< nothing to notice, a stop before anybody could answer rightly, or the log ended too early
 };
@@ -54,7 +54,7 @@ ResponseRule ruleOf(const ExerciseDrill& drill);
 /** One millisecond about a hazard. */
 struct HandSample {
   std::uint8_t pedal{};               ///< 1 down
-  std::uint8_t stop{};                ///< 1 an emergency stop was asked for
+  std::uint8_t stop{};                ///< 1 an emergency stop was requested
   std::uint8_t has_robot{};           ///< 1 the robot's tips are known
   std::uint8_t linked{};              ///< 1 the robot follows the hands
   std::uint8_t has_force{};           ///< 1 a force was computed of this millisecond
@@ -107,7 +107,7 @@ struct HazardResponse {
 
 constexpr Tick kLead = 500;             ///< [1 ms] before the injection that a window should have
 constexpr Tick kCarriedThrough = 2000;  ///< [1 ms] that an answer lasts at least: scripted surgeons rest up to 1.5 s
-constexpr Tick kLongestHabit = 5000;    ///< [1 ms] no clutch is held to be longer
+constexpr Tick kLongestHabit = 5000;    ///< [1 ms] longer pedal-ups are no clutch
 
 /** [1 ms] For how long the pedal must stay up: twice the surgeon's usual clutch, kCarriedThrough at the least. */
 Tick disengagedFor(Tick usual_clutch) noexcept;
@@ -127,7 +127,7 @@ Tick watchOf(const ResponseRule& rule) noexcept;
  * it ends with the pedal up or the hands slow, the verdict must not depend on how long they stay so.
  *
  * A right answer's time goes from the cue to its end: of kPedalUp and kStop the next pedal-down, or the window's end.
- * In the aftermath a pedal-down does not count that the robot does not follow by kSeenGap, or that has another cue. Of
+ * In the aftermath a pedal-down counts only if the robot then moves by kSeenGap without another cue. Of
  * kHoldStill and kSlow the end is kCarriedThrough behind the answer, of others the answer itself.
  *
  * kPedalUp: the pedal goes up and stays up for disengagedFor(). Where it was up already when anybody could react, and

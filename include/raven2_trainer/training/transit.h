@@ -8,8 +8,7 @@
 #include "raven2_trainer/core/record.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
-// Extra distance of a tip, with an object or to a goal: its path against the
-// planner's.
+// Compares a tip's path with the planner's, while the tip carries an object or goes to a goal.
 
 namespace raven2_trainer::training {
 

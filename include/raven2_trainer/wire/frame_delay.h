@@ -13,7 +13,7 @@ namespace raven2_trainer::wire {
  * ageing. A peer whose clock stopped (a suspended computer) is trusted again 10 s later. The difference ages by 200
  * ppm, the largest drift of two quartz clocks, so drift is never taken for delay. The estimate can therefore be too
  * small by as much as 4 ms (200 ppm each way over 10 s; more for the first frames behind a longer silence), and by the
- * fastest way there is, which nobody can know. Real-time safe.
+ * delay of the fastest frame, which is unknown. Real-time safe.
  */
 class FrameDelay {
  public:
