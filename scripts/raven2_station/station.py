@@ -121,7 +121,7 @@ class Station:
                 client.show(message["which"], data)
             return
         if kind == "mode":
-            message["text"] = words.mode(message["mode"])
+            message["text"] = words.mode(message["mode"], message.get("engaged", True))
             self.hands.see(message["mode"], message["pedal"])
         elif kind == "exercise":
             message["text"] = words.exercise(message["status"], message["failure"])

@@ -10,6 +10,7 @@ MODES = {
     "simulating": "The hands move the model alone", "simulation_held": "Model alone: press the pedal", "trial": "Virtual trial",
     "trial_held": "Virtual trial: press the pedal", "trial_ready": "Virtual trial recorded", "returning": "The model returns to the robot",
     "replaying": "Replay of a session", "camera_moving": "The hands move the camera"}
+DISENGAGED = {"pedal_up": "Ready; robot disengaged", "teleoperating": "The hands move the model; robot disengaged"}
 
 STATUSES = {"none": "no exercise", "waiting": "not begun", "running": "running", "done": "done", "failed": "failed"}
 FAILURES = {"time_limit": "the time limit is over", "broke_off": "a tower broke off", "object_lost": "an object was lost",
@@ -73,8 +74,10 @@ def is_demonstration(driver):
     return driver.split("-over-")[0].split(":")[0] in ("expert", "clumsy", "scripted")
 
 
-def mode(name):
-    return MODES.get(name, name.replace("_", " "))
+def mode(name, engaged=True):
+    """@param engaged: the robot gets the surgeon's motion."""
+    texts = MODES if engaged else {**MODES, **DISENGAGED}
+    return texts.get(name, name.replace("_", " "))
 
 
 def answer(asked, text):

@@ -148,6 +148,12 @@ def test_the_camera_key_alone_moves_the_camera_and_never_the_arms():
     assert not device.console_pedal
 
 
+def test_a_disengaged_robot_is_said():
+    assert [words.mode(name, True) for name in ("pedal_up", "teleoperating")] == ["Ready: press the pedal", "The hands move the robot"]
+    assert all("disengaged" in words.mode(name, False) for name in ("pedal_up", "teleoperating"))
+    assert words.mode("paused", False) == words.mode("paused") and words.mode("some_mode", False) == "some mode"
+
+
 def test_answers_are_sentences():
     assert words.answer("pause", "accepted") == "Done." and "pedal is up" in words.answer("clear-stop", "not_now")
     assert words.answer("inject", "the hazard acts") == "the hazard acts"
@@ -712,6 +718,7 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
         waiting = work.finisher.video(tmp_path / "other")
         await work.finisher.end()
         assert waiting.done() and not list((tmp_path / "other").iterdir())
+        psutil.wait_procs([worker], timeout=5)  # it has its signal, but may not have run since
         assert not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE
 
     asyncio.run(run())
@@ -1642,7 +1649,7 @@ def test_a_page_that_lost_the_hands_shows_no_pedal_and_gives_the_mouse_back(ends
 
 
 def test_a_page_that_heard_nothing_for_a_moment_goes_on_as_the_station_says():
-    """The station still counts it as the one that drives, and tells it so."""
+    """For the station it is still the page that drives, and the station says so."""
     shown = run_trainees_page("""
       const state = { ...idle, phase: "running", choice: { driver: "browser" }, drives: 7 };
       link.isSilent = true; link.onOpen(false);
