@@ -27,6 +27,8 @@ HEADER = "include/raven2_trainer/"
 @pytest.mark.parametrize("files, place, why", [
     ({"src/loop/a.cpp": "#include <thread>\n"}, "src/loop/a.cpp:1", "thread"),
     ({"src/physics/a.cpp": "\n#include <chrono>\n"}, "src/physics/a.cpp:2", "chrono"),
+    ({"src/loop/a.cpp": "#include <cstdio>\n"}, "src/loop/a.cpp:1", "cstdio"),
+    ({"src/raven/a.cpp": "#include <random>\n"}, "src/raven/a.cpp:1", "random"),
     ({"src/loop/a.cpp": '#include "raven2_trainer/model/a.h"\n', HEADER + "model/a.h": "#include <fstream>\n"},
      HEADER + "model/a.h:1", "fstream"),
     ({"src/loop/a.cpp": '#include "raven2_trainer/model/a.h"\n', HEADER + "model/a.h": "", "src/model/a.cpp": "#include <mutex>\n"},
