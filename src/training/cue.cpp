@@ -25,9 +25,8 @@ bool any(const Arms& arms) {
   return at(arms, Arm::kGold) || at(arms, Arm::kGreen);
 }
 
-/** [1 ms] From the injection to the first run that begins in the aftermath and lasts for kNoticed; -1 none. What
- *  began before the injection, a touch or a late link for example, is not the hazard's: that arm counts once it ended.
- */
+/** [1 ms] From the injection to the first run that begins in the aftermath and lasts for kNoticed; -1 none. A touch or
+ *  a late link from before the injection is not the hazard's: that arm counts once the effect ended. */
 template <typename Sensed>
 Tick findRun(const HazardWindow& window, Sensed sensed) {
   Arms before{};
