@@ -69,7 +69,7 @@ StepCommand rowsCommand(const Numbers& rows) {
   return command;
 }
 
-/** True, False, 1 or 0, of numpy too. Texts and arrays have a truth as well, which nobody means. */
+/** True, False, 1 or 0, also of numpy. A text or an array has a truth value in Python, but is a mistake here. */
 bool pedalOf(const py::handle& value) {
   py::detail::make_caster<bool> caster;
   if (caster.load(value, /*convert=*/false)) return py::detail::cast_op<bool>(caster);

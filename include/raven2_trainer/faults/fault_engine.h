@@ -55,7 +55,7 @@ class FaultEngine {
   /** The oldest unreported beginning or end; the host sets `cycle`, by its clock. @return false without
    * one. If nobody asks, the newest are lost. */
   bool nextChange(FaultChange* change) noexcept;
-  /** Changes lost because nobody asked, since the start. */
+  /** Number of changes that were lost because the host did not read them. */
   std::uint64_t changesUnreported() const noexcept { return number_ - changes_begun_; }
 
   /** One element of a variable after its faults. `arm` is ignored for a variable without arms. */
