@@ -6,6 +6,9 @@ import os
 import pathlib
 import re
 import signal
+import time
+
+import psutil
 
 PATIENCE = 15.0  # [s] for reports when the station ends
 PERCENT = re.compile(rb"(\d+) ?%")
@@ -90,9 +93,25 @@ class Finisher:
             self._stop(what)
         last = await _follow(terminal, report_share)
         code = await process.wait()
+        if self._ends and what == "video":
+            await _until_gone(process.pid)
         del self._running[what]
         lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
         return code, (lines or ["it failed"])[-1].strip()[:200]
+
+
+async def _until_gone(group):
+    """The renderer's own workers have the signal, too, but may end later."""
+    until = time.monotonic() + PATIENCE
+    while time.monotonic() < until and any(_is_of(group, process) for process in psutil.process_iter()):
+        await asyncio.sleep(0.02)
+
+
+def _is_of(group, process):
+    try:
+        return os.getpgid(process.pid) == group and process.status() != psutil.STATUS_ZOMBIE
+    except (OSError, psutil.Error):  # it has ended
+        return False
 
 
 async def _follow(terminal, report_share):

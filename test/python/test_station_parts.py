@@ -396,10 +396,8 @@ def test_the_next_attempt_that_cannot_start_leaves_the_session_or_says_that_it_h
     asyncio.run(attempts())
 
 
-@pytest.mark.parametrize("robot", ["", "192.168.0.102"])
-def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
-    """As launch/hardware.launch starts it."""
-    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None, lambda *_: ([], 0), robot=robot)
+def programs_of(boss, choice):
+    """{name: arguments} of a session's programs; none is started."""
     launched = {}
 
     async def launch(name, arguments):
@@ -409,7 +407,15 @@ def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
         pass
 
     boss._launch, boss._await_log = launch, await_log
-    asyncio.run(boss._start(supervisor.Choice({}, known)))
+    asyncio.run(boss._start(choice))
+    return launched
+
+
+@pytest.mark.parametrize("robot", ["", "192.168.0.102"])
+def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
+    """As launch/hardware.launch starts it."""
+    boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None, lambda *_: ([], 0), robot=robot)
+    launched = programs_of(boss, supervisor.Choice({}, known))
     assert ("virtual_raven" in launched) == (not robot)
     assert ("--strict" in launched["simulator"]) == bool(robot)
     assert '<arg name="strict" default="true"' in (ROOT / "launch/hardware.launch").read_text()
@@ -422,16 +428,7 @@ def test_with_a_real_robot_the_trainer_is_strict(known, tmp_path, robot):
 def test_console_and_daemon_have_the_same_motion_scale(known, tmp_path, driver, robot, forced, scale):
     """doc/hardware.md: with different ones, forces and record are wrong."""
     boss = supervisor.Supervisor(tmp_path, tmp_path, known, lambda: None, lambda *_: ([], 0), robot=robot, scale=forced)
-    launched = {}
-
-    async def launch(name, arguments):
-        launched[name] = arguments
-
-    async def await_log():
-        pass
-
-    boss._launch, boss._await_log = launch, await_log
-    asyncio.run(boss._start(supervisor.Choice({**GOOD, "driver": driver, **({"exercise": "none", "hazard": "none"} if driver == "scripted" else {})}, known)))
+    launched = programs_of(boss, supervisor.Choice({**GOOD, "driver": driver, **({"exercise": "none", "hazard": "none"} if driver == "scripted" else {})}, known))
     for name in ("master_console", "simulator"):
         given = launched[name]
         assert (given[given.index("--scale") + 1] if "--scale" in given else None) == scale
@@ -444,16 +441,7 @@ def test_console_and_daemon_have_the_same_motion_scale(known, tmp_path, driver, 
                                                     ("simulator", "--sight-port", "master_console")])
 def test_a_bad_link_carries_each_stream_to_its_hearer(known, tmp_path, sender, stream, hearer):
     """config/network.yaml: motion goes to the daemon, forces and sight come from it."""
-    boss, launched = supervise(tmp_path, known), {}
-
-    async def launch(name, arguments):
-        launched[name] = arguments
-
-    async def await_log():
-        pass
-
-    boss._launch, boss._await_log = launch, await_log
-    asyncio.run(boss._start(supervisor.Choice({**GOOD, "link": "wifi"}, known)))
+    launched = programs_of(supervise(tmp_path, known), supervisor.Choice({**GOOD, "link": "wifi"}, known))
     ways = dict(word.split(":127.0.0.1:") for word in launched["impair"] if ":127.0.0.1:" in word)
     sent, heard = (launched[name][launched[name].index(stream) + 1] for name in (sender, hearer))
     assert len(ways) == 3 and ways[sent] == heard != sent
@@ -718,7 +706,6 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
         waiting = work.finisher.video(tmp_path / "other")
         await work.finisher.end()
         assert waiting.done() and not list((tmp_path / "other").iterdir())
-        psutil.wait_procs([worker], timeout=5)  # it has its signal, but may not have run since
         assert not worker.is_running() or worker.status() == psutil.STATUS_ZOMBIE
 
     asyncio.run(run())
