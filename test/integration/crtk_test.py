@@ -787,8 +787,8 @@ class Crtk(unittest.TestCase):
                 return next((m for m in poses.messages[count:] if distance(start, m) > 5e-3), None)
 
             end = until(far, 2, "5 mm of way")
-            # ROS keeps no order between topics, only within one: a last force that comes after the hold is none, and a hold that
-            # comes late would end the next move.
+            # ROS keeps the order of messages within a topic only. So the last force, which may come after the hold, is 0, and
+            # rest() waits for a late hold, which would end the next move.
             publishers[topic].publish(WrenchStamped())
             arm.say("hold", Empty())
             rest()

@@ -397,7 +397,7 @@ def test_the_next_attempt_that_cannot_start_leaves_the_session_or_says_that_it_h
 
 
 def programs_of(boss, choice):
-    """{name: arguments} of a session's programs; none is started."""
+    """{name: arguments} of a session's programs, without starting them."""
     launched = {}
 
     async def launch(name, arguments):
