@@ -11,6 +11,8 @@ constexpr std::array<double, 2> kScales{0.75, 0.5};
 constexpr std::size_t kMostFrames = 128;  // of a window: more than half a second of 120 Hz
 // One in ten frames is late in any case on a machine that has other work; a shader compiled once says nothing.
 constexpr double kNearlyAll = 0.9;
+constexpr double kLate = 1.2;    // [periods] a frame that takes longer is late: 40 ms at 30 Hz
+constexpr double kMany = 0.125;  // [-] of the frames
 
 std::vector<LiveLevel> levelsOf(const RenderConfig& config) {
   std::vector<LiveLevel> levels{{config.live_fps, 1.0}};
@@ -53,6 +55,7 @@ bool LivePace::judge() noexcept {
     is_on_trial_ = false;
     wait_ = settle_;
   }
+  late_windows_ = areManyLate() ? late_windows_ + 1 : 0;
   const std::size_t before = now_;
   calm_ = hasRoom() ? calm_ + window_time_ : 0.0;
   if (isTooSlow()) {
@@ -65,6 +68,7 @@ bool LivePace::judge() noexcept {
 
 void LivePace::fall() noexcept {
   calm_ = 0.0;
+  late_windows_ = 0;
   if (now_ + 1 == levels_.size()) return;
   if (is_on_trial_) wait_ = std::min(2.0 * wait_, kLongest);
   is_on_trial_ = false;
@@ -78,15 +82,24 @@ void LivePace::rise() noexcept {
   --now_;
 }
 
+/** A lower rate would make a late picture no younger; a smaller one is. */
 bool LivePace::isTooSlow() const noexcept {
-  return quantile(window_, 0.5) > period();
+  const bool may_shrink = now_ + 1 < levels_.size() && levels_[now_ + 1].scale < level().scale;
+  return quantile(window_, 0.5) > period() || (may_shrink && late_windows_ > 1);
 }
 
+bool LivePace::areManyLate() const noexcept {
+  const auto late = window_.end() - std::upper_bound(window_.begin(), window_.end(), kLate * period());
+  return static_cast<double>(late) >= kMany * static_cast<double>(window_.size());
+}
+
+/** A rate goes up by what it goes down by, most frames: late ones are no fewer at a lower rate. */
 bool LivePace::hasRoom() const noexcept {
   if (now_ == 0) return false;
   const LiveLevel& above = levels_[now_ - 1];
   const double larger = above.scale / level().scale;
-  return quantile(window_, kNearlyAll) * larger * larger <= kRoom / above.fps;
+  const double busy = larger > 1.0 ? quantile(window_, kNearlyAll) : quantile(window_, 0.5);
+  return busy * larger * larger <= kRoom / above.fps;
 }
 
 }  // namespace raven2_trainer::daemon

@@ -27,7 +27,7 @@ FixedLayer::FixedLayer(int width, int height)
     : width_(width),
       height_(height),
       target_(width, height),
-      tiles_(ShadowTarget::kSize),
+      tiles_(ShadowTarget::sizeFor(height)),
       marker_(kTileVertex, kNoFragment) {
   glGenVertexArrays(1, &arrays_);
   glBindVertexArray(arrays_);

@@ -34,15 +34,22 @@ bool isMoving(const DrawItem& item) {
 }
 
 /** [-] Of a step of the shadow map, in the light's clip space. */
-constexpr float kTexel = 2.0F / static_cast<float>(ShadowTarget::kSize);
+float texelOf(const ShadowTarget& map) noexcept {
+  return 2.0F / static_cast<float>(map.size());
+}
+
 // A lit point is looked up 1.5 texels off its surface, or the map's steps would shade it. (A constant of MeshPass.)
 constexpr float kLift = 1.5F;
 // Lookups look at the four texels about their point, half of one beyond it each way, which may be 1.5 off what is lit.
-constexpr float kMargin = (kLift + 1.5F) * kTexel;
+constexpr float kMargin = kLift + 1.5F;  // [texels]
 
 }  // namespace
 
-ShadowPass::ShadowPass() : program_(kShadowVertex, kNoFragment), clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
+ShadowPass::ShadowPass(int picture_height)
+    : target_(ShadowTarget::sizeFor(picture_height)),
+      fixed_(target_.size()),
+      program_(kShadowVertex, kNoFragment),
+      clip_from_mesh_(program_.uniform("clip_from_mesh")) {}
 
 void ShadowPass::drawItems(const std::vector<DrawItem>& items, const Filter& isWanted) const {
   for (const DrawItem& item : items) {
@@ -126,7 +133,7 @@ void MeshPass::shine(const model::Camera& camera, const Light& light) {
   glBindTexture(GL_TEXTURE_2D, light.shadow_map.texture());
   program_.use();
   setUniform(eye_W_, Eigen::Vector3f(camera.X_WC.p.cast<float>()));
-  shadow_lift_W_ = kLift * kTexel / light.shadow_clip_from_world.block<1, 3>(0, 0).norm();
+  shadow_lift_W_ = kLift * texelOf(light.shadow_map) / light.shadow_clip_from_world.block<1, 3>(0, 0).norm();
 }
 
 void MeshPass::draw(const DrawLists& lists, const model::Camera& camera, const Light& light) {
@@ -149,7 +156,7 @@ void MeshPass::keep(FixedLayer* layer, const DrawLists& lists, const model::Came
         glDepthFunc(GL_LEQUAL);
         drawBackground();
       },
-      light.shadow_map, kMargin);
+      light.shadow_map, kMargin * texelOf(light.shadow_map));
 }
 
 void MeshPass::drawOver(FixedLayer* layer,

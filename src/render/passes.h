@@ -33,7 +33,7 @@ struct DrawLists {
  *  copied; the map is the same as without this. */
 class ShadowPass {
  public:
-  ShadowPass();
+  explicit ShadowPass(int picture_height);
 
   /** @param[in] cameras nothing is drawn whose shadow none of them can see. */
   void draw(const std::vector<DrawItem>& opaque,
@@ -102,7 +102,8 @@ class MeshPass {
   GLint clip_from_mesh_, world_from_mesh_, shadow_from_mesh_, shadow_lift_, colour_, eye_W_;
 };
 
-/** Numbers of parts as colours, red the lower byte and green the upper one, into whatever framebuffer and viewport is set. */
+/** Numbers of parts as colours, red the lower byte and green the upper one, into whatever framebuffer and viewport is
+ * set. */
 class PartPass {
  public:
   PartPass();

@@ -18,6 +18,7 @@ namespace raven2_trainer::render {
 struct Renderer::Impl {
   Impl(int width, int height)
       : context(width, height),
+        shadow(height),
         picture(width, height),
         layer(width, height),
         smoother(width, height),

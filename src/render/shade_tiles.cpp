@@ -13,8 +13,6 @@ namespace raven2_trainer::render {
 
 namespace {
 
-constexpr std::size_t kTexels = 4;  // of a cell's edge
-
 /** Beyond the map its edge is looked up. */
 int cellOf(float clip) noexcept {
   constexpr float kLast = static_cast<float>(ShadeTiles::kCells - 1);
@@ -25,9 +23,9 @@ int cellOf(float clip) noexcept {
 }  // namespace
 
 ShadeTiles::ShadeTiles(int map_size) : map_size_(map_size) {
-  if (map_size != kCells * static_cast<int>(kTexels))
+  if (map_size != 2 * kCells && map_size != 4 * kCells)
     throw RenderException("a shadow map of " + std::to_string(map_size) + " texels, expected " +
-                          std::to_string(kCells * static_cast<int>(kTexels)));
+                          std::to_string(2 * kCells) + " or " + std::to_string(4 * kCells));
 }
 
 void ShadeTiles::setPicture(int width,
@@ -62,19 +60,22 @@ void ShadeTiles::setPicture(int width,
   }
 }
 
-/** A cell of a row at a time: as whole words, or one by one it would take a millisecond and more. */
+/** A cell of a row at a time: as whole words, or one by one it would take a millisecond and more. A cell has kTexels
+ * texels a row. */
+template <std::size_t kTexels>
 void ShadeTiles::compare(const std::vector<float>& map) noexcept {
   differs_.fill(0);
-  const std::size_t size = static_cast<std::size_t>(map_size_), bytes = kTexels * sizeof(float);
+  constexpr std::size_t kBytes = kTexels * sizeof(float);
+  const auto size = static_cast<std::size_t>(map_size_);
   for (std::size_t y = 0; y < size; ++y) {
     const float* row = &map[y * size];
     const float* fixed_row = &fixed_map_[y * size];
     std::uint8_t* cells = &differs_[(y / kTexels) * kCells];
     for (std::size_t cell = 0; cell < kCells; ++cell) {
       std::array<std::uint64_t, kTexels / 2> a{}, b{};
-      std::memcpy(a.data(), row + cell * kTexels, bytes);
-      std::memcpy(b.data(), fixed_row + cell * kTexels, bytes);
-      cells[cell] |= static_cast<std::uint8_t>(((a[0] ^ b[0]) | (a[1] ^ b[1])) != 0);
+      std::memcpy(a.data(), row + cell * kTexels, kBytes);
+      std::memcpy(b.data(), fixed_row + cell * kTexels, kBytes);
+      cells[cell] |= static_cast<std::uint8_t>(a != b);
     }
   }
 }
@@ -105,7 +106,7 @@ void ShadeTiles::closeRun(int row, int from, int to) {
 
 const std::vector<PixelRun>& ShadeTiles::touched(const std::vector<float>& map) {
   runs_.clear();
-  compare(map);
+  map_size_ == 2 * kCells ? compare<2>(map) : compare<4>(map);
   addUp();
   for (int row = 0; row < rows_; ++row) {
     int from = -1;

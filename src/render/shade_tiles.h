@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -22,7 +23,8 @@ class ShadeTiles {
   static constexpr int kTile = 8;     ///< [px]
   static constexpr int kCells = 256;  ///< of the map, on x and y
 
-  /** @param[in] map_size [texels] of the shadow map's edge. @throw RenderException unless it is four times kCells. */
+  /** @param[in] map_size [texels] of the shadow map's edge. @throw RenderException unless it is two or four times
+   * kCells. */
   explicit ShadeTiles(int map_size);
 
   /**
@@ -48,6 +50,7 @@ class ShadeTiles {
     std::array<int, 2> low{kCells, kCells}, high{-1, -1};
   };
   bool isTouched(const Extent& extent) const noexcept;
+  template <std::size_t kTexels>
   void compare(const std::vector<float>& map) noexcept;
   void addUp() noexcept;
   void closeRun(int row, int from, int to);

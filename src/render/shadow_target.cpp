@@ -20,11 +20,11 @@ void setParameters() {
 
 }  // namespace
 
-ShadowTarget::ShadowTarget() {
+ShadowTarget::ShadowTarget(int size) : size_(size) {
   glGenTextures(1, &texture_);
   glBindTexture(GL_TEXTURE_2D, texture_);
   // As floating point: looked up without being converted first.
-  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, kSize, kSize, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glTexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT32F, size_, size_, 0, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
   setParameters();
   glGenFramebuffers(1, &framebuffer_);
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
@@ -39,27 +39,27 @@ ShadowTarget::ShadowTarget() {
 
 void ShadowTarget::begin() const noexcept {
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, kSize, kSize);
+  glViewport(0, 0, size_, size_);
   glDisable(GL_SCISSOR_TEST);
   glClear(GL_DEPTH_BUFFER_BIT);
-  glScissor(1, 1, kSize - 2, kSize - 2);
+  glScissor(1, 1, size_ - 2, size_ - 2);
   glEnable(GL_SCISSOR_TEST);
 }
 
 void ShadowTarget::beginAs(const ShadowTarget& other) const noexcept {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, other.framebuffer_);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer_);
-  glViewport(0, 0, kSize, kSize);
+  glViewport(0, 0, size_, size_);
   glDisable(GL_SCISSOR_TEST);
-  glBlitFramebuffer(0, 0, kSize, kSize, 0, 0, kSize, kSize, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
-  glScissor(1, 1, kSize - 2, kSize - 2);
+  glBlitFramebuffer(0, 0, size_, size_, 0, 0, size_, size_, GL_DEPTH_BUFFER_BIT, GL_NEAREST);
+  glScissor(1, 1, size_ - 2, size_ - 2);
   glEnable(GL_SCISSOR_TEST);
 }
 
 void ShadowTarget::read(std::vector<float>* depth) const {
-  depth->resize(static_cast<std::size_t>(kSize) * kSize);
+  depth->resize(static_cast<std::size_t>(size_) * size_);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer_);
-  glReadPixels(0, 0, kSize, kSize, GL_DEPTH_COMPONENT, GL_FLOAT, depth->data());
+  glReadPixels(0, 0, size_, size_, GL_DEPTH_COMPONENT, GL_FLOAT, depth->data());
 }
 
 ShadowTarget::~ShadowTarget() {

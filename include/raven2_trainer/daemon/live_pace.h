@@ -17,11 +17,12 @@ struct LiveLevel {
 /**
  * Chooses the live picture's size and rate by what frames take. Where most frames of half a second take longer than
  * their period, it goes a level down: first the size (3/4, 1/2), then the rate (20, 15, 10 Hz), as far as the
- * configuration allows. A hand needs a picture that follows it more than a sharp one. It goes up by one level if, for
- * `live_settle`, nearly every frame would have filled at most 85 % of the period there. The time of a larger picture is
- * estimated by its pixels, rather too long than too short. A constant load thus never goes up to where it must come
- * down from; one that changes does so less and less often, since each fall soon after a rise doubles the wait for the
- * next.
+ * configuration allows. A hand needs a picture that follows it more than a sharp one. So the size also goes down where,
+ * twice in a row, one frame in eight takes longer than 1.2 periods, although most are in time. It goes up by one level
+ * if, for `live_settle`, nearly every frame (for a higher rate: most) would have filled at most 85 % of the period
+ * there. The time of a larger picture is estimated by its pixels, rather too long than too short. A constant load thus
+ * never goes up to where it must come down from; one that changes does so less and less often, since each fall soon
+ * after a rise doubles the wait for the next.
  *
  * Knows no clock: it is fed with durations. One thread; takes memory when constructed only.
  */
@@ -50,6 +51,7 @@ class LivePace {
   void fall() noexcept;
   void rise() noexcept;
   bool isTooSlow() const noexcept;
+  bool areManyLate() const noexcept;
   bool hasRoom() const noexcept;
 
   const double settle_;  // [s]
@@ -57,6 +59,7 @@ class LivePace {
   std::size_t now_{0};
   std::vector<double> window_;  // [s] of its frames, sorted when judged
   double window_time_{0.0};     // [s]
+  int late_windows_{0};         // of many late frames, in a row, at this level
   double calm_{0.0};            // [s] with room for the level above
   double wait_;                 // [s] of calm before the next rise
   bool is_on_trial_{false};     // it has risen, and not for long

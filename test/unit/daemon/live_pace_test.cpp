@@ -97,6 +97,43 @@ TEST(LivePace, ASlowFrameNowAndThenIsNoReason) {
   EXPECT_TRUE(run(&first, compiles, 10.0).empty()) << "shaders are compiled in the first frame";
 }
 
+/** Of five frames one is late. [s] It takes `late` of a whole picture, the others fit. */
+Load oneInFive(double late) {
+  int n = 0;
+  return [late, n](const LiveLevel& level, double time) mutable {
+    return byPixels(++n % 5 == 0 ? late : 0.025)(level, time);
+  };
+}
+
+/** Where the half of them fits, the rate would be kept: but the picture that a hand follows is late. */
+TEST(LivePace, TheSizeGoesDownWhereOneFrameInFiveIsLate) {
+  LivePace pace(configured());
+  EXPECT_EQ(run(&pace, oneInFive(0.06), 60.0).size(), 1U);
+  EXPECT_EQ(pace.lowered(), 1U) << "36 ms at 3/4 of the size";
+  LivePace slower(configured());
+  run(&slower, oneInFive(0.09), 60.0);
+  EXPECT_EQ(slower.lowered(), 2U) << "29 ms at half the size";
+}
+
+TEST(LivePace, TheRateStaysWhereOneFrameInFiveIsLateAtTheSmallestSize) {
+  LivePace pace(configured());
+  run(&pace, oneInFive(0.5), 60.0);
+  EXPECT_EQ(pace.lowered(), 2U);
+  EXPECT_EQ(pace.level().fps, 30);
+  LivePace fixed(configured(30, 10, 1.0));
+  EXPECT_TRUE(run(&fixed, oneInFive(0.06), 60.0).empty()) << "no smaller size is allowed";
+}
+
+/** One frame in five stays late whatever the rate, so that it is no reason to keep a low one. */
+TEST(LivePace, TheRateRecoversAlthoughOneFrameInFiveIsLate) {
+  LivePace pace(configured());
+  run(&pace, byPixels(0.16), 20.0);
+  ASSERT_EQ(pace.level().fps, 15);
+  run(&pace, oneInFive(0.3), 60.0);
+  EXPECT_EQ(pace.level().fps, 30);
+  EXPECT_EQ(pace.lowered(), 2U) << "the size stays";
+}
+
 TEST(LivePace, ItRecoversALevelAtATimeOnceThereIsRoom) {
   LivePace pace(configured());
   const Load burst = [](const LiveLevel& level, double time) {

@@ -10,16 +10,15 @@
 
 #include "raven2_trainer/core/random.h"
 #include "render/projection.h"
+#include "render/shadow_target.h"
 #include "render_fixture.h"
 
 namespace raven2_trainer::render {
 namespace {
 
-constexpr int kMap = 1024;
-constexpr float kMargin = 3.0F * 2.0F / kMap;
-
-/** A camera's view of the ground, z = 0 with a step of 30 mm, by ray and plane; empty above the horizon. */
-class ShadeTilesTest : public ::testing::Test {
+/** A camera's view of the ground, z = 0 with a step of 30 mm, by ray and plane; empty above the horizon. For either
+ * size of the shadow map. */
+class ShadeTilesTest : public ::testing::TestWithParam<int> {
  protected:
   ShadeTilesTest()
       : camera_(testCamera()),
@@ -27,12 +26,13 @@ class ShadeTilesTest : public ::testing::Test {
         shadow_clip_from_world_(shadowClipFromWorld(camera_)),
         depth_(kWidth * kHeight, 1.0F),
         places_(kWidth * kHeight, Eigen::Vector2f(9.0F, 9.0F)),
-        map_(kMap * kMap, 1.0F) {
+        map_(static_cast<std::size_t>(map_size_ * map_size_), 1.0F) {
     for (int y = 0; y < kHeight; ++y) {
       for (int x = 0; x < kWidth; ++x)
         see(x, y);
     }
-    tiles_.setPicture(kWidth, kHeight, depth_, clip_from_world_, shadow_clip_from_world_, kMargin, map_);
+    tiles_.setPicture(kWidth, kHeight, depth_, clip_from_world_, shadow_clip_from_world_,
+                      3.0F * 2.0F / static_cast<float>(map_size_), map_);
   }
 
   /** Casts the ray of a pixel, counted from the bottom left. */
@@ -61,29 +61,31 @@ class ShadeTilesTest : public ::testing::Test {
   /** [texels] from a pixel's place on the map to the middle of a texel, the larger of both directions. */
   double distance(std::size_t pixel, int column, int row) const {
     const Eigen::Vector2f at = places_[pixel].cwiseMax(-1.0F).cwiseMin(1.0F);
-    const Eigen::Vector2f place = 0.5F * kMap * (at + Eigen::Vector2f::Ones());
+    const Eigen::Vector2f place = 0.5F * static_cast<float>(map_size_) * (at + Eigen::Vector2f::Ones());
     return std::max(std::abs(place.x() - (static_cast<float>(column) + 0.5F)),
                     std::abs(place.y() - (static_cast<float>(row) + 0.5F)));
   }
 
+  const int map_size_{GetParam()};
   model::Camera camera_;
   Eigen::Matrix4f clip_from_world_, shadow_clip_from_world_;
   std::vector<float> depth_;
   std::vector<Eigen::Vector2f> places_;  // of each pixel, in the light's clip space
   std::vector<float> map_;
-  ShadeTiles tiles_{kMap};
+  ShadeTiles tiles_{map_size_};
 };
 
-TEST_F(ShadeTilesTest, WhereNothingDiffersNothingIsTouched) {
+TEST_P(ShadeTilesTest, WhereNothingDiffersNothingIsTouched) {
   EXPECT_TRUE(tiles_.touched(map_).empty());
 }
 
-TEST_F(ShadeTilesTest, EveryPixelThatMayLookUpATexelThatDiffersIsTouchedAndFewOthers) {
+TEST_P(ShadeTilesTest, EveryPixelThatMayLookUpATexelThatDiffersIsTouchedAndFewOthers) {
   Random random(4);
   for (int run = 0; run < 20; ++run) {
-    const int column = static_cast<int>(random.uniform(200, 824)), row = static_cast<int>(random.uniform(200, 824));
+    const auto anywhere = [&] { return static_cast<int>(random.uniform(0.2, 0.8) * map_size_); };
+    const int column = anywhere(), row = anywhere();
     std::vector<float> map = map_;
-    map[static_cast<std::size_t>(row * kMap + column)] = 0.3F;
+    map[static_cast<std::size_t>(row * map_size_ + column)] = 0.3F;
     const std::vector<bool> touched = touchedPixels(map);
     double seen = 0.0;
     for (std::size_t pixel = 0; pixel < touched.size(); ++pixel) {
@@ -95,23 +97,28 @@ TEST_F(ShadeTilesTest, EveryPixelThatMayLookUpATexelThatDiffersIsTouchedAndFewOt
   }
 }
 
-TEST_F(ShadeTilesTest, ThePartsOfAMapThatNothingLooksUpTouchNothing) {
+TEST_P(ShadeTilesTest, ThePartsOfAMapThatNothingLooksUpTouchNothing) {
   std::vector<float> map = map_;
   std::size_t unseen = 0;
-  for (int row = 0; row < kMap; row += 64) {
-    for (int column = 0; column < kMap; column += 64) {
-      double nearest = kMap;
+  const int step = map_size_ / 16;
+  for (int row = 0; row < map_size_; row += step) {
+    for (int column = 0; column < map_size_; column += step) {
+      double nearest = map_size_;
       for (std::size_t pixel = 0; pixel < depth_.size(); pixel += 3) {
         if (depth_[pixel] < 1.0F) nearest = std::min(nearest, distance(pixel, column, row));
       }
-      if (nearest < 60.0) continue;  // may be within a tile, a cell and the margin
-      map[static_cast<std::size_t>(row * kMap + column)] = 0.3F;
+      if (nearest < 0.06 * map_size_) continue;  // may be within a tile, a cell and the margin
+      map[static_cast<std::size_t>(row * map_size_ + column)] = 0.3F;
       ++unseen;
     }
   }
   ASSERT_GT(unseen, 10U);
   EXPECT_TRUE(tiles_.touched(map).empty());
 }
+
+INSTANTIATE_TEST_SUITE_P(Maps,
+                         ShadeTilesTest,
+                         ::testing::Values(ShadowTarget::sizeFor(270), ShadowTarget::sizeFor(271)));
 
 }  // namespace
 }  // namespace raven2_trainer::render
