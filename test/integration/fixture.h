@@ -2,6 +2,7 @@
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <gtest/gtest.h>
+#include <ros/callback_queue.h>
 #include <ros/ros.h>
 #include <sensor_msgs/JointState.h>
 
@@ -16,13 +17,12 @@ namespace raven2_trainer {
 
 constexpr double kStartDeadline = 30.0;  // [s] processes, homing and first pedal-down on a busy machine
 
-/** Spins until `condition` holds. @return false after `seconds`. */
+/** Handles messages as they come, until `condition` holds. @return false after `seconds`. */
 inline bool waitFor(const std::function<bool()>& condition, double seconds) {
   const ros::WallTime deadline = ros::WallTime::now() + ros::WallDuration(seconds);
   while (ros::ok() && ros::WallTime::now() < deadline) {
-    ros::spinOnce();
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.01));
     if (condition()) return true;
-    ros::WallDuration(0.002).sleep();
   }
   return false;
 }

@@ -56,6 +56,18 @@ def test_a_failure_names_the_command_that_repeats_it(tmp_path, run_name, file, c
     assert f"  again: {again}" in lines
 
 
+def test_a_failure_says_why_in_few_lines(tmp_path):
+    short = '<testcase classname="A" name="a"><failure message="core_test.cpp:7&#x0A;&#x0A;too high: 3&#x0A;4" type=""/></testcase>'
+    long = f'<testcase classname="A" name="b"><error>{"x" * 500}{"&#x0A;line" * 50}</error></testcase>'
+    lines = summarise(run(tmp_path, 8, core=f"<testsuite>{short}{long}</testsuite>"))[1]
+    first = lines.index("failed: A.a")
+    assert lines[first + 1:first + 4] == ["    core_test.cpp:7", "    too high: 3", "    4"]
+    assert lines[first + 4].startswith("  again: ")
+    text = lines[lines.index("failed: A.b") + 1:]
+    text = text[:[line.startswith("  again: ") for line in text].index(True)]
+    assert text == ["    " + "x" * 160] + ["    line"] * 7
+
+
 def test_a_crash_counts_beside_a_failure_of_another_program(tmp_path):
     log = "The following tests FAILED:\n\t  1 - core (SEGFAULT)\n\t  2 - wire (Failed)\nErrors while running CTest\n"
     code, lines = summarise(run(tmp_path, 8, log, wire=BAD, net=GOOD))
