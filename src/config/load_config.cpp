@@ -5,7 +5,6 @@
 #include <type_traits>
 #include <utility>
 
-#include "config/nearest_name.h"
 #include "config/readers.h"
 #include "raven2_trainer/config/load_impairment.h"
 #include "raven2_trainer/config/load_scenario.h"
@@ -13,6 +12,7 @@
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/config/share_folder.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 #include "raven2_trainer/faults/arming.h"
 
 namespace raven2_trainer::config {

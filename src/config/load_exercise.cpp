@@ -9,6 +9,7 @@
 #include "config/read_script.h"
 #include "raven2_trainer/config/section.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 #include "raven2_trainer/training/metric_names.h"
 
 namespace raven2_trainer::config {
@@ -212,18 +213,18 @@ void readWatch(Section& root, const SceneRoles& roles, Exercise* exercise) {
 
 // ---- scores, guide, drill
 
-std::string metricList() {
-  std::string list;
+std::vector<std::string> metricNames() {
+  std::vector<std::string> names;
   for (const MetricInfo& metric : kMetrics)
-    list += std::string(list.empty() ? "" : ", ") + metric.name;
-  return list;
+    names.emplace_back(metric.name);
+  return names;
 }
 
 void readMetrics(Section& root, Exercise* exercise) {
   Section entries = root.section("metrics");
   checkCount(root, "metrics", entries.keys().size(), 0, kMostMetrics);
   for (const std::string& name : entries.keys()) {
-    refuse(findMetric(name) == nullptr, entries.where(name), "is no metric, expected one of: " + metricList());
+    refuse(findMetric(name) == nullptr, entries.where(name), "is no metric" + expectedOneOf(name, metricNames()));
     Section entry = entries.section(name);
     ScoredMetric metric;
     metric.name = name;
@@ -254,11 +255,9 @@ std::vector<DrillResponse> readResponses(Section& drill, const char* key) {
   std::vector<DrillResponse> responses;
   for (const std::string& name : drill.texts(key)) {
     const auto found = std::find(kDrillResponseNames.begin(), kDrillResponseNames.end(), name);
-    std::string known;
-    for (const char* each : kDrillResponseNames)
-      known += std::string(known.empty() ? "" : ", ") + each;
     refuse(found == kDrillResponseNames.end(), drill.where(key),
-           "holds \"" + name.substr(0, 80) + "\", expected one of: " + known);
+           "holds \"" + name.substr(0, 80) + "\"" +
+               expectedOneOf(name, {kDrillResponseNames.begin(), kDrillResponseNames.end()}));
     const auto response = static_cast<DrillResponse>(found - kDrillResponseNames.begin());
     const bool is_twice = std::find(responses.begin(), responses.end(), response) != responses.end();
     refuse(is_twice, drill.where(key), "names " + name + " twice");

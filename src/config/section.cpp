@@ -7,9 +7,9 @@
 #include <fstream>
 #include <sstream>
 
-#include "config/nearest_name.h"
 #include "config/yaml_guard.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 #include "raven2_trainer/core/shown.h"
 
 namespace raven2_trainer::config {
@@ -40,13 +40,6 @@ std::string print(double value) {
 std::string shown(const std::string& text) {
   constexpr std::size_t kMost = 80;  // a line of a screen
   return raven2_trainer::shown(text, kMost);
-}
-
-std::string join(const std::vector<std::string>& words) {
-  std::string all;
-  for (const std::string& word : words)
-    all += (all.empty() ? "" : ", ") + word;
-  return all;
 }
 
 double toNumber(const YAML::Node& node, const std::string& where, double low, double high) {
@@ -226,7 +219,7 @@ std::string Section::text(const std::string& key, const std::vector<std::string>
   const YAML::Node node = find(key);
   if (!node.IsScalar()) throw ConfigException(where(key) + " is not a text");
   if (!allowed.empty() && std::find(allowed.begin(), allowed.end(), node.Scalar()) == allowed.end()) {
-    throw ConfigException(where(key) + " is \"" + shown(node.Scalar()) + "\", expected one of: " + join(allowed));
+    throw ConfigException(where(key) + " is \"" + shown(node.Scalar()) + "\"" + expectedOneOf(node.Scalar(), allowed));
   }
   return node.Scalar();
 }

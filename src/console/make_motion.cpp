@@ -4,6 +4,7 @@
 #include "raven2_trainer/console/reactor.h"
 #include "raven2_trainer/console/script.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::console {
@@ -18,18 +19,21 @@ bool startsWith(const std::string& text, const std::string& beginning) noexcept 
   return text.compare(0, beginning.size(), beginning) == 0;
 }
 
-std::string clumsySurgeonOf(const Exercise& exercise) {
-  std::string names;
+std::vector<std::string> clumsySurgeonsOf(const Exercise& exercise) {
+  std::vector<std::string> names;
   for (const ClumsyHand& hand : exercise.clumsy)
-    names += (names.empty() ? "" : ", ") + hand.name;
-  return names.empty() ? "none" : names;
+    names.push_back(hand.name);
+  return names;
+}
+
+std::string quoted(const std::string& motion) {
+  return "motion is \"" + motion + "\"";
 }
 
 void demandExpert(const SurgeonConfig& config, const std::string& motion) {
-  if (config.exercise_name == "none")
-    throw ConfigException("motion is \"" + motion + "\", which needs an exercise (--exercise)");
+  if (config.exercise_name == "none") throw ConfigException(quoted(motion) + ", which needs an exercise (--exercise)");
   if (config.exercise.expert.empty())
-    throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name + " has no expert");
+    throw ConfigException(quoted(motion) + ", but exercise " + config.exercise_name + " has no expert");
 }
 
 void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
@@ -37,8 +41,10 @@ void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
   for (const ClumsyHand& hand : config.exercise.clumsy) {
     if (hand.name == name) return;
   }
-  throw ConfigException("motion is \"" + motion + "\", but exercise " + config.exercise_name +
-                        " has no such clumsy surgeon; those it has: " + clumsySurgeonOf(config.exercise));
+  const std::string exercise = quoted(motion) + ", but exercise " + config.exercise_name;
+  if (config.exercise.clumsy.empty()) throw ConfigException(exercise + " has no clumsy surgeons");
+  throw ConfigException(exercise + " has no such clumsy surgeon" +
+                        expectedOneOf(name, clumsySurgeonsOf(config.exercise)));
 }
 
 std::unique_ptr<MotionSource> makeSurgeon(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
@@ -63,10 +69,10 @@ std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::
     return makeCommanded(config.console, {opening, opening}, loadCommands(motion.substr(kCommands.size())));
   }
   if (doesExercise(motion)) return makeSurgeon(config, motion, truth);
-  throw ConfigException(
-      "motion is \"" + motion +
-      "\", expected scripted, recording:FILE, commands:FILE, expert or clumsy:NAME (clumsy surgeons of exercise " +
-      config.exercise_name + ": " + clumsySurgeonOf(config.exercise) + ")");
+  std::vector<std::string> known{"scripted", "recording:FILE", "commands:FILE", "expert"};
+  for (const std::string& name : clumsySurgeonsOf(config.exercise))
+    known.push_back(kClumsy + name);
+  throw ConfigException(quoted(motion) + expectedOneOf(motion, known));
 }
 
 }  // namespace

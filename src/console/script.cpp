@@ -4,6 +4,7 @@
 #include <set>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 
 namespace raven2_trainer::console {
 namespace {
@@ -48,7 +49,7 @@ class Values {
   std::uint8_t in(const List& list, const std::string& key) {
     const std::string& text = get(key).text;
     const auto one = std::find_if(list.begin(), list.end(), [&text](const auto& each) { return each.name == text; });
-    if (one == list.end()) fail(key + " is \"" + text + "\", which the scene does not have");
+    if (one == list.end()) fail(key + " is \"" + text + "\", which the scene does not have" + meant(text, list));
     return static_cast<std::uint8_t>(one - list.begin());
   }
   /** A point of the scene by its name, or three numbers. */
@@ -59,11 +60,21 @@ class Values {
   void finish(const std::string& ignored = "-") const {
     for (const ScriptValue& value : values_) {
       const bool is_ignored = value.key.compare(0, ignored.size(), ignored) == 0;
-      if (used_.count(value.key) == 0 && !is_ignored) fail("unknown key \"" + value.key + "\"");
+      if (used_.count(value.key) > 0 || is_ignored) continue;
+      fail("unknown key \"" + value.key + "\"" + expectedOneOf(value.key, {used_.begin(), used_.end()}));
     }
   }
 
  private:
+  template <typename List>
+  static std::string meant(const std::string& text, const List& list) {
+    std::vector<std::string> names;
+    for (const auto& each : list)
+      names.push_back(each.name);
+    const std::string nearest = nearestName(text, names);
+    return nearest.empty() ? "" : ": did you mean \"" + nearest + "\"?";
+  }
+
   const std::vector<ScriptValue>& values_;
   std::string place_;
   std::set<std::string> used_;
@@ -71,14 +82,17 @@ class Values {
 
 VerbKind kindOf(const ScriptVerb& script) {
   const auto name = std::find(kVerbNames.begin(), kVerbNames.end(), script.verb);
-  if (name == kVerbNames.end()) throw ConfigException(script.place + "unknown verb \"" + script.verb + "\"");
+  if (name == kVerbNames.end())
+    throw ConfigException(script.place + "unknown verb \"" + script.verb + "\"" +
+                          expectedOneOf(script.verb, {kVerbNames.begin(), kVerbNames.end()}));
   return static_cast<VerbKind>(name - kVerbNames.begin());
 }
 
 Pedal pedalOf(Values* values, const std::string& key) {
   const std::string& text = values->get(key).text;
   const auto name = std::find(kPedalNames.begin(), kPedalNames.end(), text);
-  if (name == kPedalNames.end()) values->fail(key + " is \"" + text + "\", which is no pedal");
+  if (name == kPedalNames.end())
+    values->fail(key + " is \"" + text + "\"" + expectedOneOf(text, {kPedalNames.begin(), kPedalNames.end()}));
   return static_cast<Pedal>(name - kPedalNames.begin());
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/nearest_name.h"
 
 namespace raven2_trainer::model {
 namespace {
@@ -41,17 +42,17 @@ void lookAtTool(const ArmState& arm, const Pose& X_WB, CameraConfig* config) noe
 }  // namespace
 
 const CameraConfig* findCamera(const std::vector<CameraConfig>& cameras, const std::string& name) noexcept {
-  const auto found = std::find_if(cameras.begin(), cameras.end(),
-                                  [&name](const CameraConfig& camera) { return camera.name == name; });
+  const auto found =
+      std::find_if(cameras.begin(), cameras.end(), [&name](const CameraConfig& camera) { return camera.name == name; });
   return found == cameras.end() ? nullptr : &*found;
 }
 
 const CameraConfig& requireCamera(const std::vector<CameraConfig>& cameras, const std::string& name) {
   if (const CameraConfig* camera = findCamera(cameras, name)) return *camera;
-  std::string known;
+  std::vector<std::string> known;
   for (const CameraConfig& camera : cameras)
-    known += " " + camera.name;
-  throw ConfigException("camera " + name + " is not one of:" + known);
+    known.push_back(camera.name);
+  throw ConfigException(unknownName("camera", name, known));
 }
 
 Camera makeCamera(const CameraConfig& config, int width, int height) noexcept {

@@ -218,7 +218,7 @@ def test_a_metric_that_is_not_there_is_refused_with_its_line(school):
         "metrics: {time: {}, path: {}, force_above: {limit: 1.5}, tremor: {limit: 1.0e+6}}")
     done = run("simulate", "--config", school.config, "--exercise", "wrong", "--output", school.folder / "never")
     assert done.returncode == 1
-    assert f"wrong.yaml:{line}: metrics/tremors is no metric, expected one of: time, path" in done.stderr
+    assert f"wrong.yaml:{line}: metrics/tremors is no metric: did you mean \"tremor\"?" in done.stderr
 
 
 def test_the_expert_climbs_by_bands_that_were_made_of_it(school):

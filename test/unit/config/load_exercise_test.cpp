@@ -409,7 +409,7 @@ TEST_F(LoadExercise, WrongSetsAndRulesAreRefused) {
 TEST_F(LoadExercise, WrongScoresGuidesAndDrillsAreRefused) {
   expectRefused(with("limit: 5.5", "limit: much"), 33, "metrics/peak_force/limit is not a number");
   expectRefused(with("limit: 5.5", "limits: 5.5"), 33, "unknown key metrics/peak_force/limits");
-  expectRefused(with("time: {}", "tim: {}"), 33, "metrics/tim is no metric, expected one of: time, path,");
+  expectRefused(with("time: {}", "tim: {}"), 33, "metrics/tim is no metric: did you mean \"time\"?");
   expectRefused(with("peak_force: {limit: 5.5}", "force_above: {limit: -1.0}"), 33, "metrics/force_above/limit");
   expectRefused(with("guide: {arm: green", "guide: {arm: any"), 34, "expected one of: gold, green");
   expectRefused(with("{place: far}", "{place: near}"), 34, "guide/to/place is \"near\", which is no point");

@@ -26,11 +26,16 @@ std::string refusal(const TrainerConfig& config, const std::string& motion) {
 }
 
 TEST(Motion, AnUnknownNameIsRefusedWithThoseThatThereAre) {
-  const std::string words = refusal(configOf("pick_hand_over_place"), "exprt");
-  for (const char* part :
-       {"exprt", "scripted", "recording:FILE", "commands:FILE", "expert", "clumsy:NAME", "dropper, slow, shaky"})
+  const TrainerConfig config = configOf("pick_hand_over_place");
+  const std::string words = refusal(config, "surgeon");
+  for (const char* part : {"\"surgeon\"", "scripted", "recording:FILE", "commands:FILE", "expert", "clumsy:dropper"})
     EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
-  EXPECT_NE(refusal(configOf("none"), "").find("none"), std::string::npos);
+  EXPECT_EQ(refusal(config, "exprt"), "motion is \"exprt\": did you mean \"expert\"?");
+  EXPECT_EQ(refusal(config, "clumsy:droper"),
+            "motion is \"clumsy:droper\", but exercise pick_hand_over_place has no such clumsy surgeon: did you mean "
+            "\"dropper\"?");
+  EXPECT_EQ(refusal(configOf("none"), ""),
+            "motion is \"\", expected one of: scripted, recording:FILE, commands:FILE, expert");
 }
 
 TEST(Motion, OnlyCommandsOfAFileAreCommanded) {
@@ -68,7 +73,7 @@ TEST(Motion, AClumsyHandMustBeOneOfTheExercises) {
   for (const char* part : {"sleepy", "pick_hand_over_place", "dropper, slow, shaky"})
     EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
   config.exercise.clumsy.clear();
-  EXPECT_NE(refusal(config, "clumsy:slow").find("has: none"), std::string::npos);
+  EXPECT_NE(refusal(config, "clumsy:slow").find("has no clumsy surgeons"), std::string::npos);
 }
 
 TEST(Motion, EveryPackagedExerciseHasAnExpertAndClumsyHandsThatCanBeHad) {

@@ -121,10 +121,16 @@ TEST(Script, VerbsWithoutAnArmHaveTheirNumbers) {
 
 TEST(Script, AMistakeIsRefusedWithItsPlace) {
   const ScriptValue gold = word("arm", "gold");
-  EXPECT_EQ(refusal("grab", {word("grab", "ring"), gold}), "exercise.yaml:7: unknown verb \"grab\"");
+  EXPECT_EQ(refusal("grab", {word("grab", "ring"), gold}).substr(0, 63),
+            "exercise.yaml:7: unknown verb \"grab\", expected one of: grip, ca");
+  EXPECT_EQ(refusal("put_ovr", {}), "exercise.yaml:7: unknown verb \"put_ovr\": did you mean \"put_over\"?");
   EXPECT_EQ(refusal("grip", {word("grip", "ring")}), "exercise.yaml:7: key \"arm\" is missing");
   EXPECT_EQ(refusal("grip", {word("grip", "ring"), gold, numbers("speed", {1})}),
-            "exercise.yaml:7: unknown key \"speed\"");
+            "exercise.yaml:7: unknown key \"speed\", expected one of: arm, grip");
+  EXPECT_EQ(refusal("grip", {word("grip", "rng"), gold}),
+            "exercise.yaml:7: grip is \"rng\", which the scene does not have: did you mean \"ring\"?");
+  EXPECT_EQ(refusal("press", {word("press", "camra"), numbers("seconds", {1})}),
+            "exercise.yaml:7: press is \"camra\": did you mean \"camera\"?");
   EXPECT_NE(refusal("grip", {word("grip", "ring"), word("arm", "left")}), "");
   EXPECT_NE(refusal("park", {word("park", "left")}), "");
   EXPECT_NE(refusal("grip", {word("grip", "cup"), gold}), "");
@@ -146,11 +152,10 @@ TEST(Script, AClumsyHandChangesWhatItNames) {
   for (const Key& named : keys) {
     Exercise exercise;
     exercise.clumsy.push_back({"other", {numbers("change/verb", {9})}, "exercise.yaml:3: "});
-    exercise.clumsy.push_back(
-        {"hasty",
-         {numbers("change/verb", {2}), numbers(named.key, {0.5}), word("expect/metric", "drops"),
-          numbers("change/via_W", {1, 2, 3})},
-         "exercise.yaml:7: "});
+    exercise.clumsy.push_back({"hasty",
+                               {numbers("change/verb", {2}), numbers(named.key, {0.5}), word("expect/metric", "drops"),
+                                numbers("change/via_W", {1, 2, 3})},
+                               "exercise.yaml:7: "});
     const Clumsiness hasty = clumsinessOf(exercise, scene(), "hasty");
     EXPECT_EQ(hasty.verb, 2U);
     EXPECT_EQ(hasty.via_W, (Vec3{1, 2, 3}));

@@ -192,7 +192,8 @@ TEST(CameraByName, IsFoundOrTheKnownOnesAreTold) {
     requireCamera(cameras, "side");
     FAIL() << "no such camera";
   } catch (const ConfigException& e) {
-    EXPECT_NE(std::string(e.what()).find("side is not one of: overview top"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("no camera is called \"side\"; known: overview, top"), std::string::npos)
+        << e.what();
   }
 }
 

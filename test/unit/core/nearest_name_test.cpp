@@ -1,8 +1,8 @@
-#include "config/nearest_name.h"
+#include "raven2_trainer/core/nearest_name.h"
 
 #include "gtest/gtest.h"
 
-namespace raven2_trainer::config {
+namespace raven2_trainer {
 namespace {
 
 TEST(NearestName, IsTheOneThatWasMeant) {
@@ -16,6 +16,11 @@ TEST(NearestName, IsTheOneThatWasMeant) {
   EXPECT_EQ(nearestName("sudden_jump", {}), "");
   EXPECT_EQ(nearestName("ab", {"cd", "a"}), "") << "half of a short name is another name";
   EXPECT_EQ(nearestName(std::string(100'000, 'a'), {std::string(100'000, 'b')}), "") << "nobody types that";
+}
+
+TEST(ExpectedOneOf, IsTheNearestOrAllOfThem) {
+  EXPECT_EQ(expectedOneOf("gol", {"gold", "green"}), ": did you mean \"gold\"?");
+  EXPECT_EQ(expectedOneOf("left", {"gold", "green"}), ", expected one of: gold, green");
 }
 
 TEST(UnknownName, IsToldWithTheNearestOrWithWhatThereIs) {
@@ -32,4 +37,4 @@ TEST(UnknownName, IsToldWithTheNearestOrWithWhatThereIs) {
 }
 
 }  // namespace
-}  // namespace raven2_trainer::config
+}  // namespace raven2_trainer

@@ -1,9 +1,9 @@
-#include "config/nearest_name.h"
+#include "raven2_trainer/core/nearest_name.h"
 
 #include <algorithm>
 #include <cstddef>
 
-namespace raven2_trainer::config {
+namespace raven2_trainer {
 namespace {
 
 constexpr std::size_t kMostNames = 20;  // of a list that somebody reads
@@ -43,6 +43,15 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   return nearest;
 }
 
+std::string expectedOneOf(const std::string& name, const std::vector<std::string>& known) {
+  const std::string nearest = nearestName(name, known);
+  if (!nearest.empty()) return ": did you mean \"" + nearest + "\"?";
+  std::string list;
+  for (const std::string& each : known)
+    list += (list.empty() ? "" : ", ") + each;
+  return ", expected one of: " + list;
+}
+
 std::string unknownName(const std::string& what, const std::string& name, const std::vector<std::string>& known) {
   const std::string said = "no " + what + " is called \"" + name + "\"";
   const std::string nearest = nearestName(name, known);
@@ -54,4 +63,4 @@ std::string unknownName(const std::string& what, const std::string& name, const 
   return said + "; known: " + (list.empty() ? "none" : list);
 }
 
-}  // namespace raven2_trainer::config
+}  // namespace raven2_trainer

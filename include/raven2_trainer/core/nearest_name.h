@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace raven2_trainer::config {
+namespace raven2_trainer {
 
 /** Of `known` the name that was most likely meant: at most `most_mistakes` letters other, missing, too many or changed
  * about, and less than half of them. Of several equal ones all: `a" or "b`, for a place between quotes. Empty without
@@ -15,4 +15,8 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
  * @param[in] what "exercise". */
 std::string unknownName(const std::string& what, const std::string& name, const std::vector<std::string>& known);
 
-}  // namespace raven2_trainer::config
+/** The end of a message about a word that is not among `known`: `: did you mean "gold"?` or `, expected one of: gold,
+ * green`. */
+std::string expectedOneOf(const std::string& name, const std::vector<std::string>& known);
+
+}  // namespace raven2_trainer
