@@ -7,6 +7,7 @@ import time
 MOST_WAITING = 500    # messages; a page that reads no more than that is closed
 RATE, BURST = 200.0, 400.0  # [1/s], messages of a page
 MOST_DROPPED = 2000   # messages over that rate, then the page is closed
+WARN_EVERY = 1.0      # [s]
 MOST_AHEAD = 3        # pictures that the page has not shown yet
 AHEAD_LIMIT = 1.0     # [s] then they count as shown: a busy page does not say so
 WRITE_LIMIT = 5.0     # [s] for one message: the page is gone
@@ -22,6 +23,7 @@ class Client:
         self._texts, self._pictures = [], {}
         self._wake = asyncio.Event()
         self._tokens, self._filled, self.dropped = BURST, time.monotonic(), 0
+        self._warned = -WARN_EVERY
         self.overrun = False
         self.acknowledges, self._ahead, self._shown_at = False, 0, 0.0
 
@@ -53,6 +55,13 @@ class Client:
             return False
         self._tokens -= 1.0
         return True
+
+    def warn(self):
+        """Why messages get no answer, at most once a second: an answer to each would be a second flood."""
+        now = time.monotonic()
+        if now - self._warned >= WARN_EVERY:
+            self._warned = now
+            self.send({"t": "reply", "id": None, "ok": False, "text": f"too many messages: {RATE:.0f} a second are read"})
 
     async def write(self):
         """Until the page is closed."""

@@ -168,6 +168,7 @@ async def listen(station, client, socket):
             if client.dropped > clients.MOST_DROPPED:
                 await socket.close(code=1008, message=b"too many messages")
                 return
+            client.warn()
             continue
         if message.type == WSMsgType.ERROR:
             station.refused["too_large_or_broken"] += 1

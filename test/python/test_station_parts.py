@@ -615,6 +615,23 @@ def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges(monkeypatch):
     asyncio.run(run())
 
 
+def test_a_page_over_its_rate_learns_why_once_a_second(monkeypatch):
+    async def run():
+        now = 100.0
+        monkeypatch.setattr(clients.time, "monotonic", lambda: now)
+        page = SlowPage()
+        client = clients.Client(page, "trainee", 1)
+        for _ in range(1000):
+            client.warn()
+        now += clients.WARN_EVERY
+        client.warn()
+        await client._write_all()
+        assert [json.loads(text)["text"] for text in page.sent] == ["too many messages: 200 a second are read"] * 2
+        assert json.loads(page.sent[0])["ok"] is False
+
+    asyncio.run(run())
+
+
 def test_a_page_that_goes_while_it_is_written_to_is_no_error():
     async def run():
         page = SlowPage()
@@ -1700,6 +1717,23 @@ def test_where_there_is_nothing_to_improve_the_page_says_so(known, improve, show
         no_advice: "Nothing: every figure is well within its band." }});
       console.log(JSON.stringify([element("no-advice").textContent, element("improve").children.map((c) => c.textContent)]));""")
     assert found == [shown, [i["what"] for i in improve]]
+
+
+def test_a_history_can_be_of_one_exercise_alone(known):
+    """Times of two exercises cannot be compared."""
+    attempts = [{"start": "", "exercise": name, "hazards": [], "drill": "", "driver": "browser", "passed": True, "time": time, "score": None,
+                 "response": None} for name, time in (("track_wire", 50), ("pick_hand_over_place", 30), ("track_wire", 40))]
+    found = run_instructors_page(known, f"""
+      element("curve").getContext = () => new Proxy({{}}, {{ get: () => () => ({{}}), set: () => true }});
+      const rowsOf = async (exercise) => {{
+        asked.length = 0; element("history-exercise").value = exercise; element("history-exercise").fire("change");
+        await answers(asked.find((a) => a.do === "sessions").id, {{ trainees: ["ann"], sessions: [] }});
+        await answers(asked.find((a) => a.do === "history").id, {{ attempts: {json.dumps(attempts)} }});
+        return element("history-table").children.slice(1).map((row) => row.children[1].textContent);
+      }};
+      const all = await rowsOf("");
+      console.log(JSON.stringify([all, element("history-exercise").options.map((o) => o.value), await rowsOf("track_wire")]));""")
+    assert found == [["track wire", "pick hand over place", "track wire"], ["", "pick_hand_over_place", "track_wire"], ["track wire"] * 2]
 
 
 def test_a_plan_is_executed_with_the_robot_only_by_its_own_button(known):

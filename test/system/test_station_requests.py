@@ -215,6 +215,10 @@ def test_messages_that_no_page_sends_end_nothing(station):
 def test_floods_and_giants_are_cut_off(station):
     async def scenario():
         async with Page(station.url) as other:
+            async with Page(station.url) as fast:
+                for _ in range(1500):
+                    await fast.socket.send_str('{"do": "hands", "with": {}}')
+                await fast.until(lambda: "too many messages" in fast.newest.get("reply", {}).get("text", ""), 10, "the page learns why")
             page = Page(station.url)
             async with page:
                 try:

@@ -408,14 +408,18 @@ async function showHistory() {
   if (list.ok) fill(byId("trainees"), list.more.trainees.map((t) => option(t, t)), false);
   const trainee = byId("history-trainee").value;
   const reply = trainee ? await link.ask("history", { trainee }) : { ok: false };
-  const attempts = reply.ok ? reply.more.attempts : [];
+  const all = reply.ok ? reply.more.attempts : [];
+  const exercises = [...new Set(all.map((a) => a.exercise))].sort();
+  fill(byId("history-exercise"), [option("", "all"), ...exercises.map((e) => option(e, plain(e)))]);
+  const chosen = byId("history-exercise").value;  // times of two exercises cannot be compared
+  const attempts = all.filter((a) => chosen === "" || a.exercise === chosen);
   drawCurve(byId("curve"), attempts);
   byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "moved by", "result", "score", "time", "hazard response"], "th"),
     ...attempts.map((a) => row([when(a.start), plain(a.exercise), hazardsOf(a), driverText(a.driver), passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
       number(a.response, "s")])));
 }
 
-byId("history-trainee").addEventListener("change", showHistory);
+for (const choice of ["history-trainee", "history-exercise"]) byId(choice).addEventListener("change", showHistory);
 
 function stageCell(stage) {
   if (stage.done) return `done (${stage.attempts} ${stage.attempts === 1 ? "attempt" : "attempts"})`;
