@@ -14,9 +14,9 @@ PAGES = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "urdf/README.md", *sort
 
 def files_of(*folders):
     """Text files that people write, below these folders of the tree."""
-    unwritten = {".json", ".rviz", ".pyc", ".csv"}
+    unwritten = {".json", ".rviz", ".pyc", ".csv", ".css", ".svg"}
     return sorted(str(p.relative_to(ROOT)) for folder in folders for p in (ROOT / folder).rglob("*")
-                  if p.is_file() and not {"__pycache__", "page"} & set(p.parts) and p.suffix not in unwritten)
+                  if p.is_file() and "__pycache__" not in p.parts and p.suffix not in unwritten)
 
 
 TESTS = [name for name in files_of("test") if name.endswith((".cpp", ".h", ".c", ".py", ".launch", ".test", ".sh", "CMakeLists.txt"))]
@@ -71,6 +71,15 @@ def test_comments_messages_and_names_of_sources_are_read(tmp_path):
     lines = check("--names", source).stdout.splitlines()
     assert [re.search(r"a.cpp:(\d+): (name|'\w+')", line).groups() for line in lines] == [
         ("1", "'told'"), ("2", "'anew'"), ("3", "'beside'"), ("2", "name")]
+
+
+def test_the_texts_of_web_pages_are_read(tmp_path):
+    page, script = tmp_path / "a.html", tmp_path / "a.js"
+    page.write_text('<p class="told">It is\ntold.</p>\n<input title="stands here">\n')
+    script.write_text('// It is told.\nconst a = `${anew} stands`, told = "beside";\n')
+    lines = check(page, script).stdout.splitlines()
+    assert [re.search(r"a.(?:html|js):(\d+): '(\w+)'", line).groups() for line in lines] == [
+        ("2", "told"), ("3", "stands"), ("1", "told"), ("2", "stands"), ("2", "beside")]
 
 
 def test_each_exception_has_a_reason():

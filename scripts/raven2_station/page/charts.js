@@ -81,8 +81,8 @@ function cross(context, x, y) {
   context.lineWidth = 1;
 }
 
-// Score, time and hazard response over a trainee's attempts. A filled mark is a pass; a cross on the axis is none, whether or not
-// it has a time.
+// Score, time and hazard response over a trainee's attempts. A filled mark: passed. A cross on the axis: not passed, with
+// or without a time.
 export function drawCurve(canvas, attempts) {
   const context = canvas.getContext("2d");
   const { width, height } = canvas;

@@ -113,7 +113,7 @@ export class Hands {
   // Sticks are speeds: called once a frame. Left stick and left trigger are gold, right ones green. @return what the page says of it.
   gamepad(seconds) {
     const pads = [...(navigator.getGamepads ? navigator.getGamepads() : [])].filter((p) => p && p.connected);
-    const known = pads.find((p) => p.mapping !== "");  // "": axes and buttons in an order of its own
+    const known = pads.find((p) => p.mapping !== "");  // "": axes and buttons in an order that is not known
     const pad = known || pads[0];
     this.padPedal = false;
     this.pad = known || null;
@@ -144,7 +144,7 @@ export class Hands {
     if (motor && motor.playEffect) motor.playEffect("dual-rumble", { duration: 120, strongMagnitude: strength, weakMagnitude: strength }).catch(() => {});
   }
 
-  // What has come together since the last call, as a message of the hands.
+  // The motion since the last call, as a message of the hands.
   take(seconds) {
     const roll = (this.held.has("roll_right") ? 1 : 0) - (this.held.has("roll_left") ? 1 : 0);
     this.turns[this.arm][1] += roll * 1.5 * seconds;

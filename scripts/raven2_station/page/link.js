@@ -111,7 +111,7 @@ export class Link {
     });
   }
 
-  // Which pictures to send: none ahead of those that came here, so that a slow link shows new ones.
+  // The pictures to be sent. The station waits until they are shown, so that a slow link shows new ones.
   wantPictures(which) {
     return this.ask("watch", { pictures: which, acknowledges: true });
   }
