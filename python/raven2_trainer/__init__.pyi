@@ -115,8 +115,8 @@ class Simulation:
         """A copy of the whole state, to the bit, for restore() of the same simulation."""
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back to the state of save()."""
-    def reseed_link(self, seed: int) -> None:
-        """From now on a bad link draws its losses and delays from this seed; packets in flight are lost. Not with output."""
+    def reseed(self, seed: int) -> None:
+        """From now on a bad link, and hazards that start, draw from this seed. Packets in flight of a bad link are lost. Not with output."""
     def inject(self, hazard: str) -> None:
         """Starts a hazard of config/faults at once."""
     def clear_hazards(self) -> None:

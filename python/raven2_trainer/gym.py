@@ -103,7 +103,7 @@ class Raven(gymnasium.Env):
         return 7
 
     def _take(self, number, seed=None):
-        """Goes to the beginning of a variation, which starts when it is first needed. `seed`: of its link's losses and delays."""
+        """Goes to the beginning of a variation, which starts when it is first needed. `seed`: of its link and its hazard."""
         if number not in self._started:
             varied = variation(number, self._make["config"], self._make["robot"])
             simulation = Simulation(seed=0, **self._make, **varied)
@@ -118,12 +118,12 @@ class Raven(gymnasium.Env):
             self._started.pop(oldest)[0].close()
         self._simulation.restore(begin)
         if seed is not None:
-            self._simulation.reseed_link(seed)
+            self._simulation.reseed(seed)
 
     def reset(self, *, seed=None, options=None):
         super().reset(seed=seed)
         number = int(self.np_random.integers(self._variations)) if self._variations > 1 else 0
-        self._take(number, int(self.np_random.integers(1 << 53)) if number else None)
+        self._take(number, int(self.np_random.integers(1 << 53)) if number or self._hazard else None)
         self._step = self._done_before = 0
         self._strike = int(self.np_random.integers(*STRIKE)) if self._hazard else None
         command = np.zeros((2, 7))

@@ -274,6 +274,11 @@ void LockstepStack::impair(const Impairment& impairment, std::optional<std::uint
   impl_->pictures_to_console.emplace(impairment, drawn, 2, impl_->now_ns);
 }
 
+void LockstepStack::reseedHazards(std::uint64_t seed) noexcept {
+  impl_->faults.reseed(seed);
+  impl_->relay_channel.reseed(seed);
+}
+
 bool LockstepStack::finished() const noexcept {
   return impl_->hands.finished();
 }

@@ -29,7 +29,7 @@ void RelayChannel::pass(const RelayPacket& packet, std::int64_t now_ns, const Se
 
 void RelayChannel::begin(std::uint32_t impairment, std::int64_t now_ns) {
   end();
-  channel_.emplace(config_.impairments[impairment - 1], config_.library.seed, kStream, now_ns);
+  channel_.emplace(config_.impairments[impairment - 1], seed_, kStream, now_ns);
 }
 
 /** Packets that are still in the channel are lost. */

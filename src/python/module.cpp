@@ -131,8 +131,7 @@ void addCommands(py::class_<Simulation>* target) {
           "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); }, doc("Simulation.save"),
           py::call_guard<Unlocked>())
       .def("restore", &Simulation::restore, doc("Simulation.restore"), py::arg("snapshot"), py::call_guard<Unlocked>())
-      .def("reseed_link", &Simulation::reseedLink, doc("Simulation.reseed_link"), py::arg("seed"),
-           py::call_guard<Unlocked>())
+      .def("reseed", &Simulation::reseed, doc("Simulation.reseed"), py::arg("seed"), py::call_guard<Unlocked>())
       .def("inject", &Simulation::inject, doc("Simulation.inject"), py::arg("hazard"), py::call_guard<Unlocked>())
       .def("clear_hazards", &Simulation::clearHazards, doc("Simulation.clear_hazards"), py::call_guard<Unlocked>())
       .def("close", &Simulation::close, doc("Simulation.close"), py::call_guard<Unlocked>());

@@ -377,14 +377,13 @@ void Simulation::restore(const Snapshot& snapshot) {
   arena_.restore(snapshot.memory);
 }
 
-void Simulation::reseedLink(std::uint64_t seed) {
+void Simulation::reseed(std::uint64_t seed) {
   const std::lock_guard<std::recursive_mutex> lock(mutex_);
   demandOpen();
-  if (recording_)
-    throw std::runtime_error("a recorded simulation has one seed: reseed_link() needs one without output");
-  if (link_.name == "none") return;
+  if (recording_) throw std::runtime_error("a recorded simulation has one seed: reseed() needs one without output");
   const ArenaScope scope(&arena_);
-  stack_->impair(link_, seed);
+  stack_->reseedHazards(seed);
+  if (link_.name != "none") stack_->impair(link_, seed);
 }
 
 void Simulation::close() {

@@ -99,9 +99,9 @@ class Simulation : public Constructed {
   /** @throw std::invalid_argument for another simulation's. */
   void restore(const Snapshot& snapshot);
 
-  /** From now on the link draws from this seed; packets in flight are lost. Without a bad link nothing changes.
+  /** From now on the link, and hazards that start, draw from this seed. Packets in flight of a bad link are lost.
    *  @throw std::runtime_error if the simulation is recorded: its log has one seed. */
-  void reseedLink(std::uint64_t seed);
+  void reseed(std::uint64_t seed);
 
   /** A scenario of the library, at once. @throw ConfigException; std::runtime_error if too many are armed already. */
   void inject(const std::string& hazard);

@@ -303,7 +303,7 @@ def test_a_link_draws_from_the_seed_that_it_is_given():
         def path(seed):
             simulation.restore(begin)
             if seed is not None:
-                simulation.reseed_link(seed)
+                simulation.reseed(seed)
             seen = []
             for _ in range(120):
                 simulation.step({"gold": {"move": [0, 0, 5e-5]}}, ticks=5)
@@ -314,16 +314,34 @@ def test_a_link_draws_from_the_seed_that_it_is_given():
         assert not np.array_equal(first, second) and np.array_equal(first, path(1)) and np.array_equal(path(None), path(None))
         assert first[-1, 2] - first[0, 2] > 0.003 and second[-1, 2] - second[0, 2] > 0.003, "commands arrive"
         with pytest.raises(TypeError):
-            simulation.reseed_link("x")
+            simulation.reseed("x")
+
+
+def test_a_hazard_draws_from_the_seed_that_was_given_before_it():
+    """put_usb_cmd_random draws a number for each motor once."""
+    with raven2_trainer.Simulation() as simulation:
+        simulation.start()
+        begin = simulation.save()
+
+        def joints(seed):
+            simulation.restore(begin)
+            if seed is not None:
+                simulation.reseed(seed)
+            simulation.inject("put_usb_cmd_random")
+            simulation.step({"gold": {"move": [0, 0, 0.0]}}, ticks=60)
+            return simulation.state.robot_joints[0].copy()
+
+        first, second, configured = joints(1), joints(2), joints(None)
+        assert not np.array_equal(first, second) and np.array_equal(first, joints(1)) and np.array_equal(configured, joints(None))
 
 
 def test_without_a_bad_link_its_seed_changes_nothing_and_a_recorded_one_is_refused(ready, tmp_path):
     before = numbers(ready)
-    ready.reseed_link(7)
+    ready.reseed(7)
     assert numbers(ready) == before
     with raven2_trainer.Simulation(link="wifi", output=tmp_path / "session") as simulation:
         with pytest.raises(RuntimeError, match="has one seed"):
-            simulation.reseed_link(7)
+            simulation.reseed(7)
 
 
 def test_wrong_settings_are_refused_with_the_programs_texts():

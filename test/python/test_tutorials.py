@@ -9,7 +9,7 @@ import tutorial
 
 FULL = os.environ.get("RAVEN2_TRAINER_FULL") == "1"
 BUILT = (tutorial.BUILD / "devel/lib/raven2_trainer/simulator").exists()
-SHORT = ("researcher.md",)
+SHORT = ("researcher.md", "python.md")
 PARTS = [part for page in tutorial.PAGES for part in tutorial.parts(page)]
 RUN = [part for part in PARTS if FULL or part.page.name in SHORT]
 

@@ -26,7 +26,7 @@ struct FaultLibrary {
   const std::string& hazard;     ///< armed at the start, or "none"
   const std::string& drill;      ///< that the exercise runs into, or "none"
   const ExerciseDrill& trigger;  ///< the exercise's, of its drill
-  const std::uint64_t seed;
+  std::uint64_t seed;
 };
 
 }  // namespace raven2_trainer::faults

@@ -57,6 +57,8 @@ class LockstepStack {
   /** From now on the link between console and daemon is bad, in both directions. Packets in flight are lost.
    *  @param[in] seed without one, the configuration's. */
   void impair(const Impairment& impairment, std::optional<std::uint64_t> seed = {});
+  /** Hazards that are armed from now on draw from this seed instead of the configuration's. */
+  void reseedHazards(std::uint64_t seed) noexcept;
   /** Signals for faults' triggers, from the next tick on. */
   void setSignals(const FaultSignals& signals) noexcept;
   /** Arms exactly this plan, in daemon and robot, from the next tick on; its generation is ignored. */

@@ -17,6 +17,8 @@ class FaultDirector {
   /** Arms config.hazard; a drill is armed for the first attempt. */
   FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
+  /** Faults that are armed from now on draw from this seed instead of the configuration's. */
+  void reseed(std::uint64_t seed) noexcept { library_.seed = seed; }
 
   /** Whether a scenario's plan fits in addition to the armed ones. */
   static bool fits(const FaultPlan& armed, const FaultPlan& added);
@@ -28,7 +30,7 @@ class FaultDirector {
   void add(const FaultPlan& added);
   void publish(FaultPlan next);
 
-  const faults::FaultLibrary library_;
+  faults::FaultLibrary library_;
   SharedState& shared_;
   FaultPlan plan_{};
   std::uint32_t armings_{0};
