@@ -220,7 +220,7 @@ class Facts:
                 "end_s": (last + 1) / 1000.0 if is_number(last) else None, "fault": fault, "judged": judged}
 
     def _deviations(self):
-        """Where model and robot parted, the hand felt it, and no known fault was at work: [{at_s, end_s, arm, error_mm,
+        """Where model and robot parted, a force came to the hand, and no known fault was at work: [{at_s, end_s, arm, error_mm,
         force_N}]. Of a fault that was injected beyond the session's own means this is all that the session knows."""
         series = self.series
         error = np.nan_to_num(series.error_mm)

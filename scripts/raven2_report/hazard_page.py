@@ -30,7 +30,7 @@ def _unexplained(facts):
         return ""
     rows = [[number(d["at_s"], 3, "s"), number(1000 * (d["end_s"] - d["at_s"]), 0, "ms"), d["arm"],
              number(d["error_mm"], 2, "mm"), number(d["force_N"], 2, "N")] for d in facts.deviations]
-    return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, the hand felt it, and this session knows of no fault "
+    return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, a force came to the hand, and this session knows of no fault "
             "then. A fault that the library at the USB boundary injected looks like this; "
             "<code>merge_truth DIR FILE</code> brings in what that library wrote.</p>"
             + table(["Began", "Lasted", "Arm", "Largest tip error", "Strongest force"], rows, {0, 1, 3, 4}))
@@ -81,7 +81,7 @@ def _answer(facts, hazard):
     if judged.get("verdict") == "not_judged" and not is_number(cue):
         return (f"No force of {FELT:g} N and no gap of {SEEN:g} mm lasted 100 ms: there was nothing to answer, and nothing is "
                 "judged.")
-    by = {"ghost": "The robot was seen to part from the model"}.get(judged.get("cue"), "The hand felt it")
+    by = {"ghost": "The robot was seen to part from the model"}.get(judged.get("cue"), "The force showed it")
     felt = f"{by} after {cue:,.0f} ms" if is_number(cue) else "No force that a hand notices came with it"
     verdict = verdict_words(judged)
     acted = " and ".join(f"{metric_words.response(response)} {1000 * after:,.0f} ms after it began"

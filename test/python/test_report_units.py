@@ -197,7 +197,7 @@ def test_a_hazard_that_is_not_judged_says_why(cue, early, why):
     judged = {**JUDGED, **changes}
     assert hazard_page.verdict_words(judged) == f"not judged: {WHY[why]}"
     if cue:
-        assert answer_of(**changes).startswith(f"The hand felt it after 322 ms. Not judged: {WHY[why]}.")
+        assert answer_of(**changes).startswith(f"The force showed it after 322 ms. Not judged: {WHY[why]}.")
     drill = SimpleNamespace(attempt={"hazards": [{**judged, "cue_after_ms": None}, judged]})
     assert verdict._drill_words(drill) == (
         f"in the drill {WHY[why]}" if cue else "the hazard of the drill gave nothing to feel or to see in time")
@@ -205,7 +205,7 @@ def test_a_hazard_that_is_not_judged_says_why(cue, early, why):
 
 def test_a_response_to_a_hazard_that_is_not_judged_is_still_said():
     text = answer_of(verdict="not_judged", deciding=None)
-    assert text == f"The hand felt it after 322 ms; the surgeon slowed down 450 ms after it began. Not judged: {WHY['end']}."
+    assert text == f"The force showed it after 322 ms; the surgeon slowed down 450 ms after it began. Not judged: {WHY['end']}."
 
 
 def test_the_hands_of_older_scores_had_let_go():
@@ -405,7 +405,7 @@ def test_the_story_of_one_hazard_says_what_its_page_says(judged, said):
     assert said in verdict.story(facts)
     facts.hazards[0]["judged"] = {**JUDGED, **judged[0], "verdict": "not_judged"}
     facts.answers = lambda hazard: []
-    assert ("The hand felt it" in hazard_page._answer(facts, facts.hazards[0])) == (judged == [FELT])
+    assert ("The force showed it" in hazard_page._answer(facts, facts.hazards[0])) == (judged == [FELT])
 
 
 def parted_facts(hazards, force=1.26, error=8.37, arm=1):
