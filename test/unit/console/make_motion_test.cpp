@@ -30,12 +30,13 @@ TEST(Motion, AnUnknownNameIsRefusedWithThoseThatThereAre) {
   const std::string words = refusal(config, "surgeon");
   for (const char* part : {"\"surgeon\"", "scripted", "recording:FILE", "commands:FILE", "expert", "clumsy:dropper"})
     EXPECT_NE(words.find(part), std::string::npos) << part << " in: " << words;
-  EXPECT_EQ(refusal(config, "exprt"), "motion is \"exprt\": did you mean \"expert\"?");
+  EXPECT_EQ(refusal(config, "exprt"), "raven2_trainer: motion is \"exprt\": did you mean \"expert\"?");
   EXPECT_EQ(refusal(config, "clumsy:droper"),
-            "motion is \"clumsy:droper\", but exercise pick_hand_over_place has no such clumsy surgeon: did you mean "
+            "raven2_trainer: motion is \"clumsy:droper\", but exercise pick_hand_over_place has no such clumsy "
+            "surgeon: did you mean "
             "\"dropper\"?");
   EXPECT_EQ(refusal(configOf("none"), ""),
-            "motion is \"\", expected one of: scripted, recording:FILE, commands:FILE, expert");
+            "raven2_trainer: motion is \"\", expected one of: scripted, recording:FILE, commands:FILE, expert");
 }
 
 TEST(Motion, OnlyCommandsOfAFileAreCommanded) {
