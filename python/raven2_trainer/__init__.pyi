@@ -116,7 +116,8 @@ class Simulation:
     def restore(self, snapshot: Snapshot) -> None:
         """Goes back to the state of save()."""
     def reseed(self, seed: int) -> None:
-        """From now on a bad link, and hazards that start, draw from this seed. Packets in flight of a bad link are lost. Not with output."""
+        """From now on a bad link, injected hazards and drills of later attempts draw from this seed; a hazard that the simulation was
+        made with keeps its own. Packets in flight of a bad link are lost. Not with output."""
     def inject(self, hazard: str) -> None:
         """Starts a hazard of config/faults at once."""
     def clear_hazards(self) -> None:

@@ -61,7 +61,9 @@ class Values {
     for (const ScriptValue& value : values_) {
       const bool is_ignored = value.key.compare(0, ignored.size(), ignored) == 0;
       if (used_.count(value.key) > 0 || is_ignored) continue;
-      fail("unknown key \"" + value.key + "\"" + expectedOneOf(value.key, {used_.begin(), used_.end()}));
+      std::vector<std::string> known(used_.begin(), used_.end());
+      if (ignored != "-") known.push_back(ignored + "metric");
+      fail("unknown key \"" + value.key + "\"" + expectedOneOf(value.key, known));
     }
   }
 

@@ -13,6 +13,8 @@ constexpr std::size_t kMostFrames = 128;  // of a window: more than half a secon
 constexpr double kNearlyAll = 0.9;
 constexpr double kLate = 1.2;    // [periods] a frame that takes longer is late: 40 ms at 30 Hz
 constexpr double kMany = 0.125;  // [-] of the frames
+// In a row. With one frame in twenty late by chance, that happens once in an hour; with one in five, it is 2.5 s.
+constexpr int kLateWindows = 5;
 
 std::vector<LiveLevel> levelsOf(const RenderConfig& config) {
   std::vector<LiveLevel> levels{{config.live_fps, 1.0}};
@@ -85,7 +87,7 @@ void LivePace::rise() noexcept {
 /** A lower rate would make a late picture no younger; a smaller one is. */
 bool LivePace::isTooSlow() const noexcept {
   const bool may_shrink = now_ + 1 < levels_.size() && levels_[now_ + 1].scale < level().scale;
-  return quantile(window_, 0.5) > period() || (may_shrink && late_windows_ > 1);
+  return quantile(window_, 0.5) > period() || (may_shrink && late_windows_ >= kLateWindows);
 }
 
 bool LivePace::areManyLate() const noexcept {

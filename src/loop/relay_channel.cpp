@@ -5,7 +5,7 @@
 namespace raven2_trainer::loop {
 namespace {
 
-constexpr std::uint64_t kStream = 2;  // 0 and 1 are the directions between console and daemon
+constexpr std::uint64_t kStream = 2;  // 0 and 1: directions between console and daemon; 2, too: pictures to the console
 
 }  // namespace
 

@@ -99,7 +99,8 @@ class Simulation : public Constructed {
   /** @throw std::invalid_argument for another simulation's. */
   void restore(const Snapshot& snapshot);
 
-  /** From now on the link, and hazards that start, draw from this seed. Packets in flight of a bad link are lost.
+  /** From now on the link, injected hazards and drills of later attempts draw from this seed. Packets in flight of a
+   * bad link are lost.
    *  @throw std::runtime_error if the simulation is recorded: its log has one seed. */
   void reseed(std::uint64_t seed);
 

@@ -9,9 +9,9 @@ namespace raven2_trainer::render {
 /** Depth texture seen from a light. The context must be current on every call. */
 class ShadowTarget {
  public:
-  /** [px] Of each edge for a picture so high: 0.3 to 1.3 mm a pixel, twice that for a picture of at most 270 rows,
+  /** [px] Of each edge for a picture so high: 0.3 to 1.3 mm a pixel, twice that for a picture of fewer than 270 rows,
    * whose own pixels are as coarse. Half the size costs a quarter. */
-  static constexpr int sizeFor(int picture_height) noexcept { return picture_height > 270 ? 1024 : 512; }
+  static constexpr int sizeFor(int picture_height) noexcept { return picture_height < 270 ? 512 : 1024; }
 
   /** @param[in] size [px] of each edge. @throw RenderException if the framebuffer is not complete. */
   explicit ShadowTarget(int size);

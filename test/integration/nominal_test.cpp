@@ -101,10 +101,15 @@ class Stamps {
 bool arePicturesOnTime(std::string* figures) {
   Stamps<sensor_msgs::CameraInfo> infos("camera/camera_info");
   Stamps<sensor_msgs::Image> images("camera/image_raw");
-  if (!waitFor([&] { return !images.all().empty() && !infos.all().empty(); }, kStartDeadline)) return false;
-  const ros::Time end = images.all().front() + ros::Duration(5.0);
-  if (!waitFor([&] { return images.all().back() >= end && infos.all().back() >= images.all().back(); }, 20.0))
+  const auto have_begun = [&] { return !images.all().empty() && !infos.all().empty(); };
+  const auto have_ended = [&] {
+    return images.all().back() - images.all().front() >= ros::Duration(5.0) &&
+           infos.all().back() >= images.all().back();
+  };
+  if (!waitFor(have_begun, kStartDeadline) || !waitFor(have_ended, 20.0)) {
+    *figures += "  no pictures for five seconds\n";
     return false;
+  }
   std::array<char, 160> line{};
   std::snprintf(line.data(), line.size(),
                 "  %u pixels wide, %.1f Hz, age: median %.0f ms, 95 of 100 at most %.0f ms, all %.0f ms\n",

@@ -110,6 +110,26 @@ for seed in (1, 2, 1):
 assert np.array_equal(paths[0], paths[2]) and not np.array_equal(paths[0], paths[1])
 env.close()
 
+# each seed of an environment with a hazard has its own random values of the hazard
+
+env = gymnasium.make("raven2_trainer/PickRing-v0", hazard="put_usb_cmd_random")
+raven = env.unwrapped
+take, seeds = raven._take, []
+
+raven._take = lambda number, seed=None: seeds.append(seed) or take(number, seed)
+for seed in (1, 2, 1):
+    env.reset(seed=seed)
+assert None not in seeds and seeds[0] == seeds[2] != seeds[1], seeds
+
+ends = []
+for seed in (1, 2, 1):
+    take(0, seed)
+    raven.simulation.inject("put_usb_cmd_random")
+    raven.simulation.step({"gold": {"move": [0, 0, 0]}}, ticks=60)
+    ends.append(raven.simulation.state.robot_joints[0].copy())
+assert np.array_equal(ends[0], ends[2]) and not np.array_equal(ends[0], ends[1])
+env.close()
+
 # Without a robot there is no hazard of the robot.
 assert "has no exercise" in refused("Reach", hazard="own")
 assert "sudden_jump acts on the robot" in refused("PickRing", hazard="sudden_jump", robot="none")

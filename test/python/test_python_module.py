@@ -317,8 +317,9 @@ def test_a_link_draws_from_the_seed_that_it_is_given():
             simulation.reseed("x")
 
 
-def test_a_hazard_draws_from_the_seed_that_was_given_before_it():
-    """put_usb_cmd_random draws a number for each motor once."""
+@pytest.mark.parametrize("hazard", ["put_usb_cmd_random", "comm_loss_30"])
+def test_a_hazard_draws_from_the_seed_that_was_given_before_it(hazard):
+    """The first one draws a number for each motor once, the second one which packets to the robot are lost."""
     with raven2_trainer.Simulation() as simulation:
         simulation.start()
         begin = simulation.save()
@@ -327,18 +328,26 @@ def test_a_hazard_draws_from_the_seed_that_was_given_before_it():
             simulation.restore(begin)
             if seed is not None:
                 simulation.reseed(seed)
-            simulation.inject("put_usb_cmd_random")
-            simulation.step({"gold": {"move": [0, 0, 0.0]}}, ticks=60)
-            return simulation.state.robot_joints[0].copy()
+            simulation.inject(hazard)
+            seen = []
+            for _ in range(30):
+                simulation.step({"gold": {"move": [0, 0, 2e-4]}}, ticks=2)
+                seen.append(simulation.state.robot_joints[0].copy())
+            return np.array(seen)
 
         first, second, configured = joints(1), joints(2), joints(None)
         assert not np.array_equal(first, second) and np.array_equal(first, joints(1)) and np.array_equal(configured, joints(None))
 
 
-def test_without_a_bad_link_its_seed_changes_nothing_and_a_recorded_one_is_refused(ready, tmp_path):
-    before = numbers(ready)
-    ready.reseed(7)
-    assert numbers(ready) == before
+def test_without_link_and_hazard_a_seed_changes_nothing_and_a_recorded_simulation_refuses_one(ready, tmp_path):
+    begin, found = ready.save(), []
+    for seed in (None, 7):
+        ready.restore(begin)
+        if seed is not None:
+            ready.reseed(seed)
+        ready.step({"gold": {"move": [0, 0, 0.005]}}, ticks=100)
+        found.append(numbers(ready))
+    assert found[0] == found[1]
     with raven2_trainer.Simulation(link="wifi", output=tmp_path / "session") as simulation:
         with pytest.raises(RuntimeError, match="has one seed"):
             simulation.reseed(7)

@@ -115,6 +115,15 @@ TEST(LivePace, TheSizeGoesDownWhereOneFrameInFiveIsLate) {
   EXPECT_EQ(slower.lowered(), 2U) << "29 ms at half the size";
 }
 
+/** [s] One frame in twenty, at random, is late whatever its size: the machine has other work. */
+TEST(LivePace, LateFramesByChanceChangeNothing) {
+  LivePace pace(configured());
+  std::mt19937 random(7);
+  std::bernoulli_distribution is_late(0.05);
+  const Load load = [&](const LiveLevel&, double) { return is_late(random) ? 0.06 : 0.02; };
+  EXPECT_TRUE(run(&pace, load, 600.0).empty());
+}
+
 TEST(LivePace, TheRateStaysWhereOneFrameInFiveIsLateAtTheSmallestSize) {
   LivePace pace(configured());
   run(&pace, oneInFive(0.5), 60.0);

@@ -15,13 +15,13 @@ constexpr int kWidth = 320;
 constexpr int kHeight = 240;
 
 /** A camera on the surgeon's side that looks from above at the middle of the base plate, oblique to all axes. */
-inline model::Camera testCamera() {
+inline model::Camera testCamera(int width = kWidth, int height = kHeight) {
   CameraConfig config;
   config.eye_W = {-0.9, 0.2, 0.6};
   config.target_W = {0.02, 0.01, 0.05};
   config.up_W = {0.0, 0.0, 1.0};
   config.vertical_fov = 0.8;
-  return model::makeCamera(config, kWidth, kHeight);
+  return model::makeCamera(config, width, height);
 }
 
 inline Drawable drawable(int mesh, const Vector3& p_W, std::array<float, 4> colour = {1.0F, 1.0F, 1.0F, 1.0F}) {

@@ -16,8 +16,10 @@ constexpr float kRadius = 0.02F;  // [m]
 
 class RendererTest : public ::testing::Test {
  protected:
-  RendererTest()
-      : renderer_(kWidth, kHeight), sphere_(renderer_.addMesh(makeSphere(kRadius, 32))), camera_(testCamera()) {
+  explicit RendererTest(int width = kWidth, int height = kHeight)
+      : renderer_(width, height),
+        sphere_(renderer_.addMesh(makeSphere(kRadius, 32))),
+        camera_(testCamera(width, height)) {
     empty_ = renderer_.draw(Scene{}, camera_);
   }
 
@@ -218,7 +220,15 @@ TEST_F(RendererTest, AnObjectThrowsAShadowOnWhatLiesBelow) {
   EXPECT_LT(draw({floor, ball})[place] + 30, draw({floor})[place]);
 }
 
-TEST_F(RendererTest, KeptShadowsOfFixedThingsAreThoseOfThingsThatMove) {
+/** Sizes with the small and the large shadow map. */
+class RendererOfSize : public RendererTest, public ::testing::WithParamInterface<int> {
+ protected:
+  RendererOfSize() : RendererTest(GetParam() * 16 / 9, GetParam()) {}
+};
+
+INSTANTIATE_TEST_SUITE_P(Rows, RendererOfSize, ::testing::Values(180, 360));
+
+TEST_P(RendererOfSize, KeptShadowsOfFixedThingsAreThoseOfThingsThatMove) {
   Drawable floor = drawable(sphere_, {0.0, 0.0, -10.0}, {0.8F, 0.8F, 0.8F, 1.0F});
   floor.X_WM.R *= 10.0 / kRadius;  // top at z = 0
   const int other = renderer_.addMesh(makeSphere(kRadius, 32));

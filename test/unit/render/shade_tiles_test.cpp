@@ -118,7 +118,7 @@ TEST_P(ShadeTilesTest, ThePartsOfAMapThatNothingLooksUpTouchNothing) {
 
 INSTANTIATE_TEST_SUITE_P(Maps,
                          ShadeTilesTest,
-                         ::testing::Values(ShadowTarget::sizeFor(270), ShadowTarget::sizeFor(271)));
+                         ::testing::Values(ShadowTarget::sizeFor(269), ShadowTarget::sizeFor(270)));
 
 }  // namespace
 }  // namespace raven2_trainer::render
