@@ -132,9 +132,7 @@ def section(facts, others):
         parts.append(f'<p class="sub">{len(points)} attempts of {len({p.session for p in points})} sessions at '
                      f'the same task, in order of time.</p>{_key()}<div class="three">{small}</div>{_table(points)}')
     elif points:
-        parts.append("<p>One attempt so far: a curve needs more. <code>session_report DIR...</code> takes several "
-                     "sessions, and "
-                     "the trainee's <code>index.json</code> is read where there is one.</p>")
+        parts.append("<p>One attempt so far: the curve begins with the second attempt at the same exercise and hazard.</p>")
     if left_out:
         parts.append(f'<p class="sub">Left out: {esc("; ".join(f"{name} ({why})" for name, why in left_out.items()))}.</p>')
     return "".join(parts)

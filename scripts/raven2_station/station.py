@@ -143,9 +143,9 @@ class Station:
     def health(self):
         """Level 0 is green, 1 a warning, 2 an error."""
         if self.link.is_taken:
-            return {"level": 2, "text": "Another station uses this ROS master. End one of them."}
+            return {"level": 2, "text": "Another station runs with this ROS master. End one of them."}
         if not self.link.is_up:
-            return {"level": 2, "text": "No ROS master: the station waits for one."}
+            return {"level": 2, "text": "No ROS master: the station waits for one. If this lasts, start the station again."}
         silent = not self.is_heard
         if silent and self.supervisor.phase == "running" and DAEMON_START > time.monotonic() - self.supervisor.began_at:
             return {"level": 0, "text": "The session starts."}
@@ -228,7 +228,8 @@ class Station:
             raise Refused("choose a hazard first")
         if name not in self.known.names("hazards"):
             raise Refused("that hazard is unknown")
-        return await self.link.call("inject_hazard", {"name": name})
+        done, text, more = await self.link.call("inject_hazard", {"name": name})
+        return done, words.injected(text, done and not self.newest.get("mode", {}).get("pedal")), more
 
     async def _do_view(self, given, _):
         real = given.get("real") is True
@@ -261,7 +262,7 @@ class Station:
         if self.away.is_on:
             self.stop_driving()
         self.changed()
-        return True, "The page has no hands now." if self.away.is_on else "A page may drive again.", {}
+        return True, "The page moves no arm now." if self.away.is_on else "A page may move the arms again.", {}
 
     @property
     def is_hand_device(self):
@@ -371,8 +372,8 @@ class Station:
 
     async def _do_class(self, given, _):
         curriculum = self.known.curriculum(given.get("curriculum"))
-        titles = [stage.title for stage in stages_of(curriculum)]
-        return True, "", {"titles": titles, "rows": await asyncio.to_thread(self.records.the_class, curriculum)}
+        return True, "", {"title": (curriculum or {}).get("title", ""), "titles": [stage.title for stage in stages_of(curriculum)],
+                          "rows": await asyncio.to_thread(self.records.the_class, curriculum)}
 
     async def _do_stage(self, given, _):
         """A trainee's stage in a curriculum."""
@@ -439,9 +440,8 @@ class Station:
             self.broadcast({"t": "alive", **health})
         if now - self._status_at >= STATUS_PERIOD:
             self._status_at = now
-            total = sum(self.refused.values())
             self.link.send({"t": "status", "level": 0, "text": f"{len(self.clients)} pages",
-                            "values": {"pages": len(self.clients), "refused": total,
+                            "values": {"pages": len(self.clients), "refused": sum(self.refused.values()),
                                        **{f"refused_{k}": v for k, v in sorted(self.refused.items())}}})
 
     def finished(self, name, what, share, text):

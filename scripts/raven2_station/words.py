@@ -23,11 +23,11 @@ PLANNING_ANSWERS = {
     "none": _SILENT, "accepted": "Done.", "not_now": "Not possible now. Wait until the arms rest and the pedal is up.",
     "no_plan": "There is no plan: press Plan first.", "moved": "An arm has moved since the plan was made: press Plan again.",
     "no_robot": "The robot is not homed, not connected or disengaged. Wait until it is ready, then try again.",
-    "robot_cannot_follow": "The robot's own inverse kinematics would leave the path. Move the arm, then press Plan again."}
+    "robot_cannot_follow": "The robot itself would leave the path. Move the arm, then press Plan again."}
 PLAN_STATUSES = {
     "none": _SILENT, "success": "The plan is ready: press Execute.",
     "start_in_collision": "No plan: the arm touches something. Move it away, then press Plan again.",
-    "goal_unreachable": "No plan: the arm cannot reach the goal of planner.yaml.",
+    "goal_unreachable": "No plan: the arm cannot reach the goal of the configuration.",
     "goal_in_collision": "No plan: at the goal the arm would touch something.",
     "no_path": "No plan: the planner found no free path. Move the arm, then press Plan again.",
     "cancelled": "The plan was cancelled by Cancel, by the pedal or by a newer plan.",
@@ -39,12 +39,16 @@ ANSWERS = {**PLAN_STATUSES, **PLANNING_ANSWERS, "no answer": _SILENT,
            "accepted; the planner is still ending": "Done. The planner needs a moment to end."}
 CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper": "drops things",
           "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
-STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, only the next attempt helps."
+STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, press Stop and next attempt."
 CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
 
+NAMES = {  # of the trainer's states, where they need other words
+    "physics loop": "this computer (physics loop)", "haptic loop": "this computer (haptic loop)", "queues": "this computer (queues)",
+    "master to daemon link": "hand device or page", "robot to daemon link": "link from the robot", "daemon to robot link": "link to the robot",
+    "forces to console": "forces to the hands"}
 ADVICE = {
     "physics loop": "Close other programs on this computer.", "haptic loop": "Close other programs on this computer.",
-    "real time": "Start the station as root, or give real-time priority (doc/hardware.md).",
+    "real time": "Motion may be uneven. Start the station as root, or give real-time priority (doc/hardware.md).",
     "master to daemon link": "Check that the hand device, its driver or the page that drives is connected.",
     "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
     "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
@@ -85,6 +89,10 @@ def answer(asked, text):
     return CLEAR_FIRST if (asked, text) == ("clear-stop", "not_now") else ANSWERS.get(text, text)
 
 
+def injected(text, is_up):
+    return f"{text}; the pedal is up, so nobody may notice" if is_up else text
+
+
 def sentence(text):
     """With a capital and a full stop."""
     return text[:1].upper() + text[1:] + ("" if text.endswith((".", "!", "?")) else ".")
@@ -103,8 +111,9 @@ def health(statuses):
     """@param statuses: [(name, level 0 to 3, message)]. @return (level, sentence): green, or the worst and its remedy."""
     worst = max(statuses, key=lambda status: status[1], default=None)
     if worst is None:
-        return 2, "The trainer does not answer."
+        return 2, "The trainer does not answer. If this lasts, end the session."
     name, level, message = worst
     if level == 0:
         return 0, "Everything works."
-    return level, f"{name[:1].upper()}{name[1:]}: {message}. {ADVICE.get(name, '')}".strip()
+    shown = NAMES.get(name, name)
+    return level, f"{shown[:1].upper()}{shown[1:]}: {message}. {ADVICE.get(name, '')}".strip()

@@ -1719,6 +1719,32 @@ def test_where_there_is_nothing_to_improve_the_page_says_so(known, improve, show
     assert found == [shown, [i["what"] for i in improve]]
 
 
+def test_a_page_shows_why_its_messages_are_not_read(known):
+    assert run_instructors_page(known, """
+      hear({ t: "reply", id: null, ok: false, text: "too many messages" });
+      console.log(JSON.stringify(element("said").textContent));""") == "too many messages"
+
+
+def test_an_answer_about_a_trainee_who_is_no_longer_chosen_shows_nothing(known):
+    found = run_instructors_page(known, """
+      element("history-trainee").value = "ann"; element("history-trainee").fire("change");
+      await answers(asked.find((a) => a.do === "sessions").id, { trainees: ["ann", "bob"], sessions: [] });
+      const late = asked.find((a) => a.do === "history");
+      element("history-trainee").value = "bob"; element("history-table").children = ["bob's"];
+      await answers(late.id, { attempts: [] });
+      console.log(JSON.stringify([late.with.trainee, element("history-table").children]));""")
+    assert found == ["ann", ["bob's"]]
+
+
+def test_the_tab_trainee_opens_with_the_trainee_of_the_last_session(known):
+    found = run_instructors_page(known, f"""
+      hear({{ ...idle, last: "s1", choice: {json.dumps({**GOOD, "trainee": "zoe", "curriculum": ""})} }});
+      asked.length = 0; openTab("history");
+      await answers(asked.find((a) => a.do === "sessions").id, {{ trainees: ["ann", "zoe"], sessions: [] }});
+      console.log(JSON.stringify(asked.find((a) => a.do === "history").with.trainee));""")
+    assert found == "zoe"
+
+
 def test_a_history_can_be_of_one_exercise_alone(known):
     """Times of two exercises cannot be compared."""
     attempts = [{"start": "", "exercise": name, "hazards": [], "drill": "", "driver": "browser", "passed": True, "time": time, "score": None,

@@ -8,11 +8,13 @@ const strips = {
   apart: new Strip(byId("strip-error"), "Distance, robot to model", "mm", 5, 3),
   force: new Strip(byId("strip-force"), "Force on the hands", "N", 2),
 };
+const PLANS = { choosing: "the hands show the goal", planning: "is being made", ready: "ready", armed: "press the pedal", executing: "the arm moves" };
 let library = null;
 let station = { phase: "idle" };
 let mode = { mode: "", view: "virtual" };
 let lastPicture = 0;
 let shown = "";  // session of the verdict
+let newest = "";  // trainee of the last session, until the tab Trainee has shown it
 
 const link = new Link("instructor", {
   library: (m) => { library = m; showLibrary(); },
@@ -21,7 +23,7 @@ const link = new Link("instructor", {
   alive: showHealth,
   station: showStation,
   exercise: (m) => showTask(m, exerciseOf(m.exercise).steps, exerciseOf(m.exercise).tracks),
-  plan: (m) => { byId("plan-text").textContent = m.status === "idle" ? "" : `Plan: ${m.status}`; },
+  plan: (m) => { byId("plan-text").textContent = m.status === "idle" ? "" : `Plan: ${PLANS[m.status] || m.status}`; },
   strips: showStrips,
   progress: showProgress,
 }, showPicture, showOpen);
@@ -48,7 +50,7 @@ function showPicture(which, blob) {
 function showMode(message) {
   mode = message;
   const stopped = message.mode === "stopped";
-  byId("mode").textContent = message.text + (message.pedal ? " (pedal down)" : "");
+  byId("mode").textContent = message.text + (!message.pedal ? "" : message.mode === "paused" ? " (release it first)" : " (pedal down)");
   byId("clear-stop").hidden = !stopped;
   byId("end-replay").hidden = message.mode !== "replaying";
   byId("view").setAttribute("aria-pressed", message.view === "real");
@@ -79,6 +81,7 @@ function showStation(message) {
   const whose = message.choice ? message.choice.trainee || "guest" : "";
   byId("act-title").textContent = message.replay ? "Replay" : runs && whose ? `Session of ${whose}: ${exerciseOf(message.choice.exercise).title}` : "Session";
   if (runs && message.choice && !before.choice && !message.replay) setUpAs(message.choice);
+  if (message.last && message.last !== before.last && message.choice) newest = message.choice.trainee;
   showArmed();
   showNext();
   if (message.last && (message.last !== before.last || shown === "")) showVerdict(message.last);
@@ -126,14 +129,14 @@ const clumsy = (name) => library.clumsy[name] || plain(name);
 
 function driverText(driver) {
   if (driver.startsWith("clumsy:")) return `demonstration: surgeon who ${clumsy(driver.slice(7))}`;
-  return DRIVERS[driver] || plain(driver.replace("master:", ""));
+  return DRIVERS[driver] || plain(driver.replace("master:", "hand device: "));
 }
 
 function showLibrary() {
   fill(byId("trainees"), library.trainees.map((t) => option(t, t)), false);
   fill(byId("history-trainee"), library.trainees.map((t) => option(t, t)));
   fill(byId("curriculum"), [option("", "none: choose the exercise"), ...library.curricula.map((c) => option(c.name, c.title))]);
-  fill(byId("exercise"), [option("none", "free session"), ...library.exercises.map((e) => option(e.name, e.title))]);
+  fill(byId("exercise"), [option("none", "free session"), ...library.exercises.map((e) => option(e.name, `${plain(e.name)}: ${e.title}`))]);
   fill(byId("link"), library.links.map((l) => option(l.name, l.name === "none" ? "good link" : plain(l.name))));
   showChoices();
 }
@@ -148,9 +151,9 @@ function hazardGroups() {
 }
 
 function driverHelp(driver) {
-  if (driver === "browser") return "Open /trainee in another window and press Take the hands.";
+  if (driver === "browser") return "Press Take the hands on the trainee's page.";
   if (!driver.startsWith("master:")) return "A simulated surgeon moves the arms. With a trainee's ID, the attempt counts for the trainee.";
-  return `${library.masters.find((m) => m.name === driver.slice(7)).title}. The device's driver must run.`;
+  return `${library.masters.find((m) => m.name === driver.slice(7)).title}. Start its driver after the station.`;
 }
 
 // `own` is of the exercise in Set up. Another one may run.
@@ -169,11 +172,12 @@ function showChoices() {
   if (exercise) drivers.push(...exercise.clumsy.map((name) => `clumsy:${name}`));
   if (!exercise) drivers.push("scripted");
   fill(byId("driver"), [...drivers, ...library.masters.map((m) => `master:${m.name}`)].map((d) => option(d, driverText(d))));
-  byId("exercise-help").textContent = exercise ? `${exercise.title}. Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
+  byId("exercise-help").textContent = exercise ? `Time limit ${exercise.time_limit} s. Trains: ${exercise.skills.join(", ").replaceAll("_", " ")}.`
     : "The arms move freely; nothing is scored.";
   const hazard = library.hazards.find((h) => h.name === hazardInSetUp());
   byId("hazard-help").textContent = hazard ? `${hazard.expected} Right response: ${hazard.response}` : "Nothing goes wrong.";
-  byId("driver-help").textContent = driverHelp(byId("driver").value);
+  byId("driver-help").textContent = `${driverHelp(byId("driver").value)} `;
+  if (byId("driver").value === "browser") byId("driver-help").append(anchor("Open it", "/trainee"));
   const linkName = byId("link").value;
   byId("link-help").textContent = linkName === "none" ? "A bad link delays or loses motion between console and trainer."
     : `Between console and trainer: ${library.links.find((l) => l.name === linkName).title}.`;
@@ -270,11 +274,15 @@ press("execute", "execute", () => ({ on_robot: false }));
 press("execute-robot", "execute", () => ({ on_robot: true }));
 press("cancel-plan", "cancel-plan");
 
-// A button that was clicked with the mouse would take the next press of the space bar for itself.
+// A button that was clicked with the mouse would take the next press of the space bar for itself, and so would a list.
 document.addEventListener("click", (event) => {
   const pressed = event.target.closest("button, a, summary");
   if (event.detail > 0 && pressed) pressed.blur();
 });
+let isPointing = false;  // the last input was the mouse's
+document.addEventListener("pointerdown", () => { isPointing = true; });
+document.addEventListener("keydown", () => { isPointing = false; });
+document.addEventListener("change", (event) => { if (isPointing && event.target.tagName === "SELECT") event.target.blur(); });
 
 // In the question whether to delete, the space bar stops as well: it must not answer.
 const isQuestion = () => byId("sure").contains(document.activeElement);
@@ -406,15 +414,18 @@ async function showHistory() {
   const list = await link.ask("sessions");
   if (list.ok) fill(byId("history-trainee"), list.more.trainees.map((t) => option(t, t)));
   if (list.ok) fill(byId("trainees"), list.more.trainees.map((t) => option(t, t)), false);
+  if (list.ok && list.more.trainees.includes(newest)) byId("history-trainee").value = newest;
+  newest = "";
   const trainee = byId("history-trainee").value;
   const reply = trainee ? await link.ask("history", { trainee }) : { ok: false };
+  if (trainee !== byId("history-trainee").value) return;  // another one was chosen meanwhile
   const all = reply.ok ? reply.more.attempts : [];
   const exercises = [...new Set(all.map((a) => a.exercise))].sort();
-  fill(byId("history-exercise"), [option("", "all"), ...exercises.map((e) => option(e, plain(e)))]);
+  if (reply.ok) fill(byId("history-exercise"), [option("", "all"), ...exercises.map((e) => option(e, plain(e)))]);
   const chosen = byId("history-exercise").value;  // times of two exercises cannot be compared
   const attempts = all.filter((a) => chosen === "" || a.exercise === chosen);
   drawCurve(byId("curve"), attempts);
-  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "moved by", "result", "score", "time", "hazard response"], "th"),
+  byId("history-table").replaceChildren(row(["when", "exercise", "hazard", "moved by", "result", "score", "time", "time to answer"], "th"),
     ...attempts.map((a) => row([when(a.start), plain(a.exercise), hazardsOf(a), driverText(a.driver), passed(a.passed), number(typeof a.score === "number" ? 100 * a.score : null, "%"), number(a.time, "s"),
       number(a.response, "s")])));
 }
@@ -424,7 +435,7 @@ for (const choice of ["history-trainee", "history-exercise"]) byId(choice).addEv
 function stageCell(stage) {
   if (stage.done) return `done (${stage.attempts} ${stage.attempts === 1 ? "attempt" : "attempts"})`;
   if (stage.attempts === 0) return "";
-  return `${stage.in_a_row} of ${stage.passes} in a row` + (stage.extra ? `, ${stage.more} of ${stage.extra} more` : "") + ` (${stage.attempts})`;
+  return `${stage.in_a_row} of ${stage.passes} in a row` + (stage.extra ? `, ${stage.more} of ${stage.extra} more` : "") + ` (${stage.attempts} ${stage.attempts === 1 ? "attempt" : "attempts"})`;
 }
 
 async function showClass() {
@@ -432,6 +443,7 @@ async function showClass() {
   byId("class-csv").href = `/class.csv?curriculum=${encodeURIComponent(curriculum)}`;
   const reply = await link.ask("class", { curriculum });
   if (!reply.ok) return;
+  byId("class-title").textContent = reply.more.title;
   byId("class-table").replaceChildren(row(["trainee", "sessions", ...reply.more.titles, "last session"], "th"),
     ...reply.more.rows.map((r) => row([r.trainee, r.demonstrations ? `${r.sessions} (${r.demonstrations} demonstrated)` : String(r.sessions),
       ...r.stages.map(stageCell),
@@ -460,7 +472,7 @@ function action(text, run, name) {
 async function showSessions() {
   const reply = await link.ask("sessions");
   if (!reply.ok) return;
-  byId("session-table").replaceChildren(row(["session", "trainee", "exercise", "hazard", "moved by", "result", "length"], "th"));
+  byId("session-table").replaceChildren(row(["when", "session", "trainee", "exercise", "hazard", "moved by", "result", "length"], "th"));
   addSessions(reply.more);
 }
 
@@ -474,7 +486,7 @@ function addSessions({ sessions, count }) {
       files.append(action("Replay", async () => say(await link.ask("replay", { session: s.name })), "replay"));
       files.append(anchor("Log", `/sessions/${s.name}/session.rlog?download`, true));
       files.append(action("Delete", (event) => askToDelete(s.name, event.detail === 0), "delete"));
-      const what = row([s.name, s.trainee, s.exercise === "none" ? "free session" : plain(s.exercise), hazardsOf(s), driverText(s.driver), passed(s.passed),
+      const what = row([when(s.start), s.name, s.trainee, s.exercise === "none" ? "free session" : plain(s.exercise), hazardsOf(s), driverText(s.driver), passed(s.passed),
         number(s.duration, "s")]);
       what.className = "what";
       const how = row([files]);

@@ -90,6 +90,7 @@ export class Link {
       const done = this.waiting.get(message.id);
       this.waiting.delete(message.id);
       if (done) done(message);
+      else if (message.id === null) byId("said").textContent = message.text;
       return;
     }
     const handler = this.handlers[message.t];
@@ -176,7 +177,7 @@ export function fill(select, options, keep = true) {
 // Steps, time and mistakes of the exercise, on both pages.
 export function showTask(message, steps, tracks = []) {
   byId("task-title").textContent = message.exercise ? message.title : "No exercise";
-  byId("task-text").textContent = message.exercise ? `Attempt ${message.attempt}: ${message.text}` : "";
+  byId("task-text").textContent = message.exercise ? (message.attempt > 1 ? `Attempt ${message.attempt}: ` : "") + message.text : "";
   byId("task-text").className = message.status === "failed" ? "bad" : message.status === "done" ? "good" : "";
   byId("task-time").textContent = message.exercise ? `(${message.elapsed.toFixed(1)} s of ${message.time_limit.toFixed(0)} s)` : "";
   // Each track, of one arm for example, has its own next step.

@@ -80,11 +80,17 @@ function showStation(message) {
     clearForce();
   }
   if (!isConnected) byId("said").textContent = "Wait: the page connects again by itself.";
-  else if (!may) byId("said").textContent = "Wait: the instructor starts a session for the browser.";
-  else if (message.hands_away) byId("said").textContent = "The instructor has the hands.";
-  else if (!drives && message.drives !== null) byId("said").textContent = "Another page drives.";
+  else if (!may) byId("said").textContent = waitFor(message);
+  else if (message.hands_away) byId("said").textContent = "The instructor has taken the hands away.";
+  else if (!drives && message.drives !== null) byId("said").textContent = "Another page moves the arms.";
   else if (drives && !hands.isLocked) byId("said").textContent = "Click the picture. Then hold the pedal key and move the mouse.";
   else byId("said").textContent = drives ? "Esc gives the mouse back." : "Press Take the hands.";
+}
+
+function waitFor({ phase, replay, choice }) {
+  if (phase !== "running" || !choice) return "Wait: the instructor starts a session.";
+  if (replay) return "A past session is shown.";
+  return choice.driver.startsWith("master:") ? "Hand devices move the arms." : "A demonstration runs.";
 }
 
 // ---- forces without haptics
