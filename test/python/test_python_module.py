@@ -330,8 +330,8 @@ def test_a_hazard_draws_from_the_seed_that_was_given_before_it(hazard):
                 simulation.reseed(seed)
             simulation.inject(hazard)
             seen = []
-            for _ in range(30):
-                simulation.step({"gold": {"move": [0, 0, 2e-4]}}, ticks=2)
+            for _ in range(60):
+                simulation.step({"gold": {"move": [0, 0, 1e-3]}}, ticks=10)
                 seen.append(simulation.state.robot_joints[0].copy())
             return np.array(seen)
 
