@@ -90,7 +90,7 @@ def answer(asked, text):
 
 
 def injected(text, is_up):
-    return f"{text}; the pedal is up, so nobody may notice" if is_up else text
+    return f"{text}; the pedal is up, so it may pass unnoticed" if is_up else text
 
 
 def sentence(text):

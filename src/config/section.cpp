@@ -103,10 +103,6 @@ void emit(const YAML::Node& node, YAML::Emitter* out) {
   }
 }
 
-std::string hintOf(const std::string& nearest) {
-  return nearest.empty() ? "" : ": did you mean \"" + nearest + "\"?";
-}
-
 }  // namespace
 
 Section::Section(const YAML::Node& node, std::string file, std::string path)
@@ -316,9 +312,10 @@ std::string Section::yaml() const {
 std::string Section::missing(const std::string& key) const {
   for (const auto& entry : *node_) {
     const std::string each = entry.first.IsScalar() ? entry.first.Scalar() : "";
-    if (each == key || read_.count(each) > 0 || nearestName(key, {each}, 1).empty()) continue;
-    return placeOf(each, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(each) + hintOf(key) + " (" +
-           key + " is missing)";
+    const std::string hint = didYouMean(each, {key}, 1);
+    if (each == key || read_.count(each) > 0 || hint.empty()) continue;
+    return placeOf(each, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(each) + hint + " (" + key +
+           " is missing)";
   }
   return where(key) + " is missing";
 }
@@ -328,7 +325,7 @@ void Section::finish() const {
     const std::string key = entry.first.IsScalar() ? entry.first.Scalar() : "?";
     if (read_.count(key) == 0)
       throw ConfigException(placeOf(key, place(file_, entry.first.Mark())) + "unknown key " + path_ + shown(key) +
-                            hintOf(nearestName(key, {read_.begin(), read_.end()})));
+                            didYouMean(key, {read_.begin(), read_.end()}));
   }
 }
 

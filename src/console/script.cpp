@@ -73,8 +73,7 @@ class Values {
     std::vector<std::string> names;
     for (const auto& each : list)
       names.push_back(each.name);
-    const std::string nearest = nearestName(text, names);
-    return nearest.empty() ? "" : ": did you mean \"" + nearest + "\"?";
+    return didYouMean(text, names);
   }
 
   const std::vector<ScriptValue>& values_;

@@ -43,9 +43,14 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
   return nearest;
 }
 
+std::string didYouMean(const std::string& name, const std::vector<std::string>& known, std::size_t most_mistakes) {
+  const std::string nearest = nearestName(name, known, most_mistakes);
+  return nearest.empty() ? "" : ": did you mean \"" + nearest + "\"?";
+}
+
 std::string expectedOneOf(const std::string& name, const std::vector<std::string>& known) {
-  const std::string nearest = nearestName(name, known);
-  if (!nearest.empty()) return ": did you mean \"" + nearest + "\"?";
+  const std::string hint = didYouMean(name, known);
+  if (!hint.empty()) return hint;
   std::string list;
   for (const std::string& each : known)
     list += (list.empty() ? "" : ", ") + each;
@@ -54,8 +59,8 @@ std::string expectedOneOf(const std::string& name, const std::vector<std::string
 
 std::string unknownName(const std::string& what, const std::string& name, const std::vector<std::string>& known) {
   const std::string said = "no " + what + " is called \"" + name + "\"";
-  const std::string nearest = nearestName(name, known);
-  if (!nearest.empty()) return said + ": did you mean \"" + nearest + "\"?";
+  const std::string hint = didYouMean(name, known);
+  if (!hint.empty()) return said + hint;
   std::string list;
   for (std::size_t i = 0; i < std::min(known.size(), kMostNames); ++i)
     list += (list.empty() ? "" : ", ") + known[i];

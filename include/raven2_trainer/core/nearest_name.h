@@ -15,6 +15,9 @@ std::string nearestName(const std::string& name, const std::vector<std::string>&
  * @param[in] what "exercise". */
 std::string unknownName(const std::string& what, const std::string& name, const std::vector<std::string>& known);
 
+/** The nearest name as the end of a message, `: did you mean "gold"?`; empty without one. */
+std::string didYouMean(const std::string& name, const std::vector<std::string>& known, std::size_t most_mistakes = 2);
+
 /** The end of a message about a word that is not among `known`: `: did you mean "gold"?` or `, expected one of: gold,
  * green`. */
 std::string expectedOneOf(const std::string& name, const std::vector<std::string>& known);

@@ -18,9 +18,9 @@ struct LiveLevel {
  * Chooses the live picture's size and rate by what frames take. Where most frames of half a second take longer than
  * their period, it goes a level down: first the size (3/4, 1/2), then the rate (20, 15, 10 Hz), as far as the
  * configuration allows. A hand needs a picture that follows it more than a sharp one. So the size also goes down where,
- * five times in a row, one frame in eight takes longer than 1.2 periods, although most are in time. It goes up by one
- * level if, for `live_settle`, nearly every frame (for a higher rate: most) would have filled at most 85 % of the
- * period there. The time of a larger picture is estimated by its pixels, rather too long than too short. A constant
+ * in five half seconds in a row, one frame in eight takes longer than 1.2 periods, although most are in time. It goes
+ * up by one level if, for `live_settle`, nearly every frame (for a higher rate: most) would have filled at most 85 % of
+ * the period there. The time of a larger picture is estimated by its pixels, rather too long than too short. A constant
  * load thus never goes up to where it must come down from; one that changes does so less and less often, since each
  * fall soon after a rise doubles the wait for the next.
  *
