@@ -39,7 +39,7 @@ void CommandGuard::replace(const ArmCommand& command, const DacArray& dac) noexc
   *command.packet = encodeOut(out);
 }
 
-bool CommandGuard::check(const PerArm<ArmCommand>& commands, bool engaged) noexcept {
+bool CommandGuard::check(const PerArm<ArmCommand>& commands, bool engaged, bool soft_estopped) noexcept {
   detector::Observation now;
   now.engaged = engaged;
   for (const Arm arm : kArms) {
@@ -54,13 +54,12 @@ bool CommandGuard::check(const PerArm<ArmCommand>& commands, bool engaged) noexc
     const DacArray& dac = *at(commands, arm).dac;
     if (isSafe(dac, verdict)) at(safe_, arm) = dac;
   }
-  if (!verdict.alarm) return false;
-  ++report_.cycles_acted;
-  const bool stops = mitigate_ == Mitigation::kStop;
+  if (verdict.alarm) ++report_.cycles_acted;
+  stopped_ = (stopped_ && soft_estopped) || (verdict.alarm && mitigate_ == Mitigation::kStop);
   for (const Arm arm : kArms) {
-    if (stops || at(verdict.alarms, arm)) replace(at(commands, arm), stops ? DacArray{} : at(safe_, arm));
+    if (stopped_ || at(verdict.alarms, arm)) replace(at(commands, arm), stopped_ ? DacArray{} : at(safe_, arm));
   }
-  return stops;
+  return stopped_;
 }
 
 }  // namespace raven2_trainer::raven

@@ -24,8 +24,10 @@ class CommandGuard {
     UsbOutBytes* packet;      ///< that carries it; the same
   };
 
-  /** One cycle. @return true: the robot must stop (mode stop); the commands are then zero. */
-  bool check(const PerArm<ArmCommand>& commands, bool engaged) noexcept;
+  /** One cycle. @param[in] soft_estopped a stop that the guard asked for holds the boards at zero until this ends: the
+   *  fault that caused it may still write.
+   *  @return true: the robot must stop (mode stop); the commands are then zero. */
+  bool check(const PerArm<ArmCommand>& commands, bool engaged, bool soft_estopped) noexcept;
 
   const DetectorReport& report() const noexcept { return report_; }
 
@@ -39,6 +41,7 @@ class CommandGuard {
   Vec3 clip_;         // [counts]
   detector::AnomalyDetector detector_;
   PerArm<DacArray> safe_{};  // [counts] last commands that are worth holding
+  bool stopped_{false};      // by this guard
   DetectorReport report_{};
 };
 

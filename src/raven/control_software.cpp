@@ -403,7 +403,8 @@ void ControlSoftware::Impl::guardCommands() noexcept {
     return CommandGuard::ArmCommand{&mech->mpos, &mech->jpos, &mech->dac, &mech->sent};
   };
   const bool engaged = machine.runLevel() == RunLevel::kPedalDown && !machine.softEstopped();
-  if (guard->check({commandOf(&mechanisms[0]), commandOf(&mechanisms[1])}, engaged)) machine.softEstop();
+  if (guard->check({commandOf(&mechanisms[0]), commandOf(&mechanisms[1])}, engaged, machine.softEstopped()))
+    machine.softEstop();
 }
 
 void ControlSoftware::Impl::putUsbPacket(Mechanism* mech, std::uint8_t pins) noexcept {

@@ -202,5 +202,18 @@ TEST(Hardened, ASignedPacketIsUsedByAnUnmodifiedRaven) {
   EXPECT_EQ(robot.level(), RunLevel::kPedalDown);
 }
 
+TEST(Hardened, APacketBehindLostOnesIsUsedAndItsNumberReported) {
+  Robot robot(hardened());
+  introduceAndEngage(&robot);
+  for (const std::uint32_t lost : {1U, 2U, 20U}) {  // a Raven drops the packet behind a gap
+    robot.sequence += lost;
+    EXPECT_TRUE(robot.send(robot.packet())) << lost;
+    robot.cycle();
+    EXPECT_EQ(robot.software.state().last_sequence, robot.sequence) << lost;
+    EXPECT_TRUE(robot.send(robot.packet())) << lost;
+    robot.cycle();
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::conformance

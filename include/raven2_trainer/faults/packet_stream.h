@@ -28,7 +28,10 @@ class PacketStream {
   explicit PacketStream(FaultVariable variable) : variable_(variable), memory_(std::make_unique<Memory>()) {}
 
   /** A packet that goes by while nothing is armed: it may be replayed later. */
-  void pass(const T& packet) noexcept { past(remembered_++) = packet; }
+  void pass(const T& packet) noexcept {
+    replayed_ = -1;  // a replay that was disarmed while it acted
+    past(remembered_++) = packet;
+  }
 
   /** Lets go of everything that it holds, and of what could be replayed. */
   void clear() noexcept {
@@ -36,6 +39,7 @@ class PacketStream {
     released_ = end_;
     held_back_ = false;
     remembered_ = 0;
+    replayed_ = -1;
     newest_due_ = 0;
   }
 

@@ -94,5 +94,22 @@ TEST(CameraOrbit, BringsAConfiguredCameraWithinItsLimits) {
   EXPECT_NEAR(elevationOf(CameraOrbit(below).state()), 5.0, 1e-9);
 }
 
+TEST(CameraOrbit, BeginsOnWhicheverSideTheConfiguredCameraStands) {
+  for (const double x : {-0.15, 0.15}) {
+    for (const double y : {-0.1, 0.1}) {
+      CameraConfig config = camera();
+      config.eye_W = {x, y, 0.13};
+      EXPECT_LT((toEigen(CameraOrbit(config).state().eye_W) - toEigen(config.eye_W)).norm(), 1e-12) << x << " " << y;
+    }
+  }
+}
+
+TEST(CameraOrbit, BringsACameraFromStraightAboveFiveDegreesFromUpright) {
+  CameraConfig above = camera();
+  above.eye_W = {0.0, 0.0, 0.23};
+  EXPECT_NEAR(elevationOf(CameraOrbit(above).state()), 85.0, 1e-9);
+  EXPECT_NEAR(distanceOf(CameraOrbit(above).state()), 0.2, 1e-12);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::control

@@ -344,5 +344,48 @@ TEST(PacketStream, AnIntermittentFaultRestsInItsHalfPeriods) {
   EXPECT_EQ(lost, (std::vector<int>{5, 6, 9, 10, 13, 14}));
 }
 
+TEST(PacketStream, AReplayArmedAgainBeginsWithTheFirstPacketOfItsWindow) {
+  FaultEngine engine(FaultHost::kRelay);
+  CommandStream stream(FaultVariable::kPacket);
+  const auto next = [&](int number) {  // as the loops do it: with nothing armed a packet passes by
+    engine.beginCycle({true, 3, {}});
+    MasterCommand command = moving(number);
+    if (!engine.isArmed() && stream.isEmpty()) {
+      stream.pass(command);
+      return command;
+    }
+    stream.offer(command, &engine);
+    EXPECT_TRUE(stream.take(&command, engine));
+    return command;
+  };
+  FaultPlan plan;
+  int number = 0;
+  for (std::uint32_t time = 0; time < 3; ++time) {
+    for (int k = 0; k < 10; ++k, ++number)
+      EXPECT_TRUE(isMotionOf(next(number), moving(number)));
+    ++plan.generation;
+    plan.count = 1;
+    plan.faults[0] = atWork(FaultKind::kReplay);  // windows of three packets
+    plan.faults[0].trigger = FaultTrigger::kHand;
+    plan.faults[0].first_tick = plan.faults[0].duration_ticks = 0;
+    plan.faults[0].arming = time;
+    engine.setPlan(plan);
+    const int onset = number;
+    for (int k = 0; k < 4; ++k, ++number)
+      EXPECT_TRUE(isMotionOf(next(number), moving(onset - 3 + k % 3))) << time << " " << k;
+    ++plan.generation;
+    plan.count = 0;
+    engine.setPlan(plan);
+  }
+}
+
+TEST(PacketStream, AReplayLongerThanWhatWasSentRepeatsAllThatWas) {
+  Fault fault = onStream(FaultKind::kReplay);
+  fault.value = 100;
+  EXPECT_EQ(part(through(fault, 40), 5, 12),
+            (std::vector<Out>{
+                {5, 5, 100}, {6, 6, 101}, {7, 7, 102}, {8, 8, 103}, {9, 9, 104}, {10, 10, 100}, {11, 11, 101}}));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::faults

@@ -518,5 +518,71 @@ TEST(FaultTriggers, UntilClearedMeansUntilCleared) {
   EXPECT_EQ(actingCycles(armed(fault), 5000, [](int) { return FaultCycle{}; }).size(), 4997U);
 }
 
+TEST(FaultSessions, WhatStaysGoesOnWhicheverRowItBecomes) {
+  Fault first = stuck(FaultTrigger::kHand, 0), second = stuck(FaultTrigger::kHand, 5);
+  first.duration_ticks = 0;
+  second.id = 2;
+  second.duration_ticks = 10;
+  FaultPlan both = planOf(first, 1, 7);
+  both.count = 2;
+  both.faults[1] = second;
+  FaultEngine engine(FaultHost::kRobot);
+  engine.setPlan(both);
+  for (int i = 0; i < 8; ++i)  // the second one acts in the last three
+    engine.beginCycle({});
+  engine.setPlan(planOf(second, 2, 7));
+  std::vector<std::pair<std::uint32_t, int>> told;
+  FaultChange change;
+  while (engine.nextChange(&change))
+    told.emplace_back(change.id, change.acts);
+  EXPECT_EQ(told, (std::vector<std::pair<std::uint32_t, int>>{{1U, 1}, {2U, 1}, {1U, 0}}));
+  EXPECT_EQ(actingCycles(engine, 20, [](int) { return FaultCycle{}; }), (std::vector<int>{0, 1, 2, 3, 4, 5, 6}));
+}
+
+TEST(FaultHold, WhatRunsOutMeanwhileHasEndedOnce) {
+  for (const bool by_link : {false, true}) {
+    const Fault fault = stuck(FaultTrigger::kHand, 0);  // for three cycles
+    FaultEngine engine(FaultHost::kRobot);
+    engine.setPlan(planOf(fault, 1, 7));
+    engine.beginCycle({});
+    if (by_link) engine.setPlan(suspended(2, 7));
+    engine.hold(!by_link);
+    for (int i = 0; i < 10; ++i)
+      engine.beginCycle({});
+    engine.hold(false);
+    if (by_link) engine.setPlan(planOf(fault, 3, 7));
+    engine.beginCycle({});
+    EXPECT_EQ(engine.activeMask(), 0);
+    EXPECT_EQ(toldBy(&engine), (std::vector<int>{1, -1})) << by_link;
+  }
+}
+
+TEST(FaultTriggers, AStepThatIsPastHasBeenReached) {
+  Fault fault = stuck(FaultTrigger::kStep, 0);
+  fault.threshold = 3.0;
+  for (const std::uint32_t step : {2U, 3U, 4U, 7U}) {
+    const auto exercise = [step](int) {
+      FaultCycle cycle;
+      cycle.pedal_down = true;
+      cycle.signals.step = step;
+      return cycle;
+    };
+    EXPECT_EQ(actingCycles(armed(fault), 10, exercise), step < 3U ? std::vector<int>{} : (std::vector<int>{0, 1, 2}))
+        << step;
+  }
+}
+
+TEST(FaultChanges, ForWhichThereWasNoRoomAreCounted) {
+  Fault fault = stuck(FaultTrigger::kPowerOn, 0);
+  fault.duration_ticks = 1;
+  fault.period_ticks = 2;
+  FaultEngine engine = armed(fault);
+  for (int i = 0; i < 101; ++i)  // 51 beginnings, 50 ends
+    engine.beginCycle({});
+  EXPECT_EQ(engine.changesUnreported(), 101U - 64U);
+  EXPECT_EQ(toldBy(&engine).size(), 64U);
+  EXPECT_EQ(engine.changesUnreported(), 101U - 64U);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::faults

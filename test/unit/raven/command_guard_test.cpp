@@ -43,7 +43,7 @@ class Guarded : public ::testing::TestWithParam<Arm> {
       at(packets_, arm) = encodeOut(out);
       at(commands, arm) = {&motor_, &q_, &at(dac_, arm), &at(packets_, arm)};
     }
-    return guard->check(commands, /*engaged=*/true);
+    return guard->check(commands, /*engaged=*/true, /*soft_estopped=*/false);
   }
 
   /** Counts that about balance the identified load (config/detector.yaml) at home. */
@@ -137,33 +137,65 @@ TEST_P(Guarded, CountsEachAlarmOnceAndEachCycleThatItActed) {
   }
 }
 
+/** An engaged robot with a guard. */
+void engageGuarded(Mitigation mitigate, Bench* bench) {
+  bench->software.setDetector(alert(mitigate));
+  bench->software.startAtHome();
+  bench->plc = RunLevel::kPedalUp;
+  bench->cycles(5);
+  bench->engage();
+  ASSERT_EQ(bench->software.detectorReport().alarms, 0U);
+}
+
+/** put_USB_packet writes kThrow to the arm's shoulder, until it is cleared. */
+FaultPlan throwing(Arm arm) {
+  FaultPlan plan;
+  plan.generation = plan.session = plan.count = 1;
+  Fault& fault = plan.faults[0];
+  fault.id = 1;
+  fault.site = FaultSite::kPutUsbPacket;
+  fault.variable = FaultVariable::kDac;
+  fault.kind = FaultKind::kStuckAt;
+  fault.trigger = FaultTrigger::kHand;
+  fault.arm = static_cast<std::int8_t>(index(arm));
+  fault.channel = kShoulder;
+  fault.value = kThrow;
+  return plan;
+}
+
 TEST_P(Guarded, ActsOnFaultsOfTheControlProgramOnEitherArm) {
   for (const Mitigation mitigate : {Mitigation::kHold, Mitigation::kStop}) {
     Bench bench;
-    bench.software.setDetector(alert(mitigate));
-    bench.software.startAtHome();
-    bench.plc = RunLevel::kPedalUp;
-    bench.cycles(5);
-    bench.engage();
-    ASSERT_EQ(bench.software.detectorReport().alarms, 0U);
-    FaultPlan plan;
-    plan.generation = plan.session = plan.count = 1;
-    Fault& fault = plan.faults[0];
-    fault.id = 1;
-    fault.site = FaultSite::kPutUsbPacket;
-    fault.variable = FaultVariable::kDac;
-    fault.kind = FaultKind::kStuckAt;
-    fault.trigger = FaultTrigger::kHand;
-    fault.arm = static_cast<std::int8_t>(index(GetParam()));
-    fault.channel = kShoulder;
-    fault.value = kThrow;
-    bench.software.setFaults(plan);
+    engageGuarded(mitigate, &bench);
+    bench.software.setFaults(throwing(GetParam()));
     bench.cycle();
     EXPECT_EQ(bench.software.detectorReport().alarms, 1U);
     EXPECT_EQ(bench.software.detectorReport().verdict.arm, GetParam());
     EXPECT_LT(std::abs(at(bench.out, GetParam()).dac[kShoulder]), 500);
     EXPECT_EQ(bench.software.state().soft_estopped, mitigate == Mitigation::kStop ? 1 : 0);
   }
+}
+
+TEST_P(Guarded, StopKeepsBothBoardsAtZeroThoughTheFaultGoesOn) {
+  Bench bench;
+  engageGuarded(Mitigation::kStop, &bench);
+  bench.software.setFaults(throwing(GetParam()));
+  for (int k = 0; k < 100; ++k) {  // the PLC takes 200 cycles to miss the watchdog
+    bench.cycle();
+    ASSERT_EQ(bench.software.state().soft_estopped, 1) << k;
+    for (const UsbOut& out : bench.out)
+      ASSERT_EQ(out.dac, (std::array<std::int16_t, kChannels>{})) << k;
+  }
+}
+
+TEST_P(Guarded, ALaterStopWithoutAnAlarmIsNotTheGuards) {
+  CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, alert(Mitigation::kStop));
+  for (int k = 0; k < 10; ++k)
+    ASSERT_FALSE(check(&guard));
+  ASSERT_TRUE(check(&guard, kThrow));
+  ASSERT_FALSE(check(&guard)) << "the E-stop was cleared";
+  for (const Arm arm : kArms)
+    expectWritten(arm, calm(arm));
 }
 
 TEST_P(Guarded, DrivesHaveThePublishedScaleAndSignOfTheArm) {

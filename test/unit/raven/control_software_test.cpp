@@ -433,5 +433,45 @@ TEST(ControlSoftware, LastSequenceIsTheNetworkLayersLast) {
   EXPECT_EQ(bench.software.state().itp.applied, 0u);
 }
 
+TEST(ControlSoftware, TheMotorsGoThroughTheLowPassIfTheConfigurationSaysSo) {
+  for (const bool low_pass : {false, true}) {
+    VirtualRavenConfig config = test::quickHoming();
+    config.low_pass = low_pass;
+    Bench bench(config);
+    bench.cycles(50);
+    const auto motor = [&](Arm arm) { return at(bench.software.state().arms, arm).motor[kShoulder]; };
+    const PerArm<double> before{motor(Arm::kGold), motor(Arm::kGreen)};
+    for (JointArray& q : bench.q)
+      q[kShoulder] += 0.01;
+    bench.cycle();
+    const double way = 0.01 * trainerConfig().virtual_raven.axes[kShoulder].transmission;
+    for (const Arm arm : kArms)  // raven2.md 3.7: the newest value counts 0.02864
+      EXPECT_NEAR((motor(arm) - at(before, arm)) / way, low_pass ? 0.02864 : 1.0, 0.002) << name(arm);
+  }
+}
+
+TEST(ControlSoftware, WithoutGravityCompensationNothingIsCommandedWithThePedalUp) {
+  VirtualRavenConfig config = test::quickHoming();
+  config.gravity_compensation = false;
+  Bench bench(config);
+  bench.bringTo(RunLevel::kPedalUp);
+  ASSERT_EQ(bench.level(), RunLevel::kPedalUp);
+  for (const UsbOut& out : bench.out)
+    EXPECT_EQ(out.dac, (std::array<std::int16_t, kChannels>{}));
+}
+
+TEST(ControlSoftware, EncoderOffsetsAreTheCountsOfEachMotorsZero) {
+  // raven2.md 3.4: mpos = 2 pi / 4000 (count - offset); at power-on the counts are 0
+  Bench bench;
+  bench.cycles(5);
+  for (const Arm arm : kArms) {
+    const JointArray motor = at(bench.couplings, arm).toMotor(bench.arms.geometry.home);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const auto offset = bench.software.report().encoder_offset[index(arm) * kChannels + channelOf(j)];
+      EXPECT_NEAR(static_cast<double>(offset), -motor[j] * 4000 / (2 * kPi), 0.1) << name(arm) << " " << kJointNames[j];
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven

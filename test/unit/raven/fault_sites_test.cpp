@@ -349,5 +349,32 @@ TEST(FaultSites, PacketsCanBeHeldBackAndCountWhenTheyCome) {
   EXPECT_TRUE(bench.software.state().itp.addsUp());
 }
 
+TEST(FaultSites, TheReturnedRunLevelIsWhatTheFaultMakesOfItAndNoOther) {
+  for (const int level : {0, 1, 2}) {
+    Struck bench(now(FaultVariable::kReturnedRunLevel, FaultKind::kStuckAt, level));
+    bench.software.returnState(77);
+    RobotState state;
+    ASSERT_TRUE(bench.software.nextReturned(&state));
+    EXPECT_EQ(static_cast<int>(state.runlevel), level);
+    EXPECT_EQ(bench.level(), RunLevel::kPedalDown) << "the robot itself knows better";
+  }
+}
+
+TEST(FaultSites, AFrozenPacketRepeatsThePedalToo) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalDown);
+  bench.send();
+  Fault frozen = now(FaultVariable::kPacket, FaultKind::kHoldLast, 0);
+  frozen.arm = -1;
+  arm(&bench, frozen);
+  bench.cycle();
+  for (int k = 0; k < 5; ++k) {
+    wire::ItpPacket released = bench.next();
+    released.surgeon_mode = 0;
+    EXPECT_EQ(bench.send(released), Reject::kNone);
+    EXPECT_NE(bench.cycle().pins & pins::kFootPedal, 0) << k;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven

@@ -282,5 +282,24 @@ INSTANTIATE_TEST_SUITE_P(Arms, QuickHomingOf, ::testing::ValuesIn(kArms), [](con
   return std::string(name(tested.param));
 });
 
+/** raven2.md 4.4: 0 not ready, 1 position unknown, 6 at the hard stop. */
+TEST(Homing, TheStateSaysOfEachArmsJointsHowFarTheyAre) {
+  for (const Arm stopped : kArms) {
+    VirtualRavenConfig config = trainerConfig().virtual_raven;
+    config.full_homing = true;
+    Bench bench(config);
+    bringToSearch(&bench);
+    bench.cycles(kWait + 50);
+    at(bench.q, stopped)[kToolRotation] -= 0.2;  // far from where it is wanted: as at a stop
+    bench.cycle();
+    for (const Arm arm : kArms) {
+      for (std::size_t j = 0; j < kJointCount; ++j) {
+        const int expected = j < kToolRotation ? 0 : arm == stopped && j == kToolRotation ? 6 : 1;
+        EXPECT_EQ(at(bench.software.state().arms, arm).jstate[j], expected) << name(arm) << " " << kJointNames[j];
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven

@@ -63,5 +63,23 @@ TEST(StateEstimator, WithoutTheFilterVelocityIsTheDifference) {
   EXPECT_NEAR(estimator.mvel()[kShoulder], 1.571, 1e-3);  // quantum of raven2.md 3.7
 }
 
+TEST(StateEstimator, FiltersIfItIsToldToAndBeginsAtRest) {
+  // raven2.md 3.7: the newest value counts 0.02864
+  for (const bool low_pass : {false, true}) {
+    StateEstimator estimator(Arm::kGold, low_pass);
+    std::array<std::int32_t, kChannels> counts{};
+    counts.fill(1000);
+    const double there = encoderSign(Arm::kGold, kShoulder) * 1000 * 2 * kPi / 4000;
+    for (int k = 0; k < 3; ++k) {
+      estimator.update(counts);
+      EXPECT_NEAR(estimator.mpos()[kShoulder], there, 1e-4) << low_pass;
+      EXPECT_NEAR(estimator.mvel()[kShoulder], 0.0, 0.02) << low_pass;
+    }
+    counts.fill(2000);
+    estimator.update(counts);
+    EXPECT_NEAR(estimator.mpos()[kShoulder] / there - 1.0, low_pass ? 0.02864 : 1.0, 1e-4);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven
