@@ -26,16 +26,18 @@ bool any(const Arms& arms) {
 }
 
 /** [1 ms] From the injection to the first run that begins in the aftermath and lasts for kNoticed; -1 none. A touch or
- *  a late link from before the injection is not the hazard's: that arm counts once the effect ended. */
+ *  a late link from before the injection is not the hazard's: that arm counts once the effect ended. Nor is a gap that
+ *  opens while the model leaves the robot on purpose. */
 template <typename Sensed>
-Tick findRun(const HazardWindow& window, Sensed sensed) {
+Tick findRun(const HazardWindow& window, Sensed sensed, bool is_gap) {
   Arms before{};
   if (window.injection > 0) before = sensed(window.samples[window.injection - 1]);
   Tick length = 0;
   for (std::size_t k = window.injection; k < window.samples.size(); ++k) {
     Arms now = sensed(window.samples[k]);
+    const bool is_wanted = is_gap && window.samples[k].apart != 0;
     for (const Arm arm : kArms) {
-      at(before, arm) = at(before, arm) && at(now, arm);
+      at(before, arm) = (at(before, arm) || is_wanted) && at(now, arm);
       at(now, arm) = at(now, arm) && !at(before, arm);
     }
     length = any(now) ? length + 1 : 0;
@@ -52,7 +54,7 @@ bool isNoticeable(const HandSample& sample) {
 }
 
 Cue findCue(const HazardWindow& window) {
-  const Tick force = findRun(window, felt), parted = findRun(window, seen);
+  const Tick force = findRun(window, felt, false), parted = findRun(window, seen, true);
   const Tick ghost = parted < 0 ? -1 : parted + kNoticed;
   if (force >= 0 && (ghost < 0 || force <= ghost)) return {force, Sense::kForce};
   if (ghost >= 0) return {ghost, Sense::kGhost};

@@ -13,6 +13,7 @@ namespace {
 constexpr Tick kLateness = 5000;   // [1 ms] twice what the recorder's queues hold (core/record_rings.h)
 constexpr Tick kLongest = 60'000;  // [1 ms] of an aftermath that is looked at: 12 MB
 constexpr Tick kEarly = 100;       // [1 ms] a robot's cycle is seen before the daemon receives whose fault it had
+constexpr Tick kHiddenAftermath = 500;  // [1 ms] of a fault without an event: the calm that ends one
 constexpr Tick kForceFalls = 40;   // [1 ms] from the largest force to zero, at the least `max_slew` of haptics.yaml
 
 /** The middle one; 0 of none. */
@@ -38,6 +39,23 @@ double cueForce(const HapticState& haptic, const DaemonFaults& faults, Arm arm) 
   return norm(force);
 }
 
+/** The model may be away from a robot that is healthy. */
+bool isApart(const ModelState& model) {
+  switch (model.mode) {
+    case Mode::kWaiting:
+    case Mode::kPedalUp:
+    case Mode::kTeleoperating:
+    case Mode::kStopped:
+    case Mode::kPaused:
+    case Mode::kCameraMoving:
+      return false;
+    case Mode::kExecuting:
+      return model.linked == 0;
+    default:
+      return true;
+  }
+}
+
 }  // namespace
 
 HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics)
@@ -49,6 +67,27 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
       ++beyond_;
     }
   }
+  addHidden(metrics);
+}
+
+/** Of scenarios that act at the same time one has the events. The others are to be answered, too. */
+void HazardCollector::addHidden(const SessionMetrics& metrics) {
+  for (const Injection& injection : metrics.injections) {
+    const Tick begin = injection.inject_tick;
+    const auto has_it = [&](const Hazard& hazard) {
+      return hazard.scenario == injection.name && begin >= hazard.begin - kEarly &&
+             (hazard.end < 0 || begin <= hazard.end);
+    };
+    if (begin < 0 || std::any_of(coming_.begin(), coming_.end(), has_it)) continue;
+    if (coming_.size() >= kMaxHazards) {
+      ++beyond_;
+      continue;
+    }
+    const bool is_robots = injection.fault.host == FaultHost::kRobot && !injection.is_merged;
+    coming_.push_back({injection.name, begin, injection.clear_tick < 0 ? -1 : injection.clear_tick + kHiddenAftermath,
+                       is_robots ? injection.inject_cycle : 0});
+  }
+  std::stable_sort(coming_.begin(), coming_.end(), [](const Hazard& a, const Hazard& b) { return a.begin < b.begin; });
 }
 
 /** A virtual Raven reports the first cycle of its faults, and the daemon receives it later. The cycles of a merged
@@ -86,6 +125,10 @@ HandSample HazardCollector::sampleOf(const TickRecord& record) const {
   sample.stop = is_asked || (model.pedals & bit(Pedal::kStop)) != 0 ? 1 : 0;
   sample.has_robot = record.robot.frame > 0 && record.robot.connected != 0 ? 1 : 0;
   sample.linked = model.linked;
+  const ModeTraits traits = traitsOf(model.mode);
+  sample.leads = traits.hands && mayMoveRobot(traits.moves) ? 1 : 0;
+  sample.executes = traits.follows_plan && mayMoveRobot(traits.moves) ? 1 : 0;
+  sample.apart = isApart(model) ? 1 : 0;
   sample.master_I = model.master_I;
   for (const Arm arm : kArms) {
     at(sample.model_B, arm) = at(model.arms, arm).p_BT;
@@ -97,10 +140,12 @@ HandSample HazardCollector::sampleOf(const TickRecord& record) const {
 /** A tick that is missing is as the one before it: samples stand for milliseconds. */
 void HazardCollector::append(const TickRecord& record, Open* open) const {
   const Tick now = record.model.session_tick;
-  if (now <= open->newest || now > lastOf(open->hazard)) return;
   HazardWindow& window = open->window;
+  if (record.model.mode == Mode::kPaused && !window.samples.empty()) window.samples.back().paused = 1;
+  if (now <= open->newest || now > lastOf(open->hazard)) return;
   for (Tick missing = open->newest + 1; !window.samples.empty() && missing < now; ++missing) {
     window.samples.push_back(HandSample(window.samples.back()));
+    window.samples.back().paused = 0;
     open->ticks.push_back(open->ticks.back());
   }
   const Hazard& hazard = open->hazard;

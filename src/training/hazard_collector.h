@@ -44,6 +44,7 @@ class HazardCollector {
   };
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
+  void addHidden(const SessionMetrics& metrics);
   void watchClutch(const ModelState& model);
   bool mayAnswer(Tick now) const;
   void openWindows(Tick now);

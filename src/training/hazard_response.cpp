@@ -145,18 +145,21 @@ void findRetreat(const HazardWindow& window, const HandMotionTrack& hand, Respon
 void findSlowing(const HazardWindow& window, const PerArm<HandMotionTrack>& hands, Tick cue, Responses* found) {
   const double before = std::max(hands[0].speedBefore(), hands[1].speedBefore());
   const auto speed = [&](std::size_t k) { return std::max(hands[0].velocity(k).norm(), hands[1].velocity(k).norm()); };
-  const auto isStill = [&](std::size_t k) { return speed(k) <= kStill; };
+  const auto isBelow = [&](double limit) {  // a plan goes on, however still the hands are
+    return [&, limit](std::size_t k) { return window.samples[k].executes == 0 && speed(k) <= limit; };
+  };
+  Responses slow, still, staying;
+  findRuns(window, noticedAt(window, cue), Response::kHoldStill, kCarriedThrough, isBelow(kStill), &staying);
   if (before < kMoving) {
-    findRuns(window, noticedAt(window, cue), Response::kHoldStill, kCarriedThrough, isStill, found);
+    found->insert(found->end(), staying.begin(), staying.end());
     return;
   }
   const double limit = std::max(kSlowShare * before, kStill);
-  Responses slow, still;
-  findRuns(
-      window, window.injection, Response::kSlow, kCarriedThrough, [&](std::size_t k) { return speed(k) <= limit; },
-      &slow);
-  findRuns(window, window.injection, Response::kHoldStill, kCarriedThrough, isStill, &still);
+  findRuns(window, window.injection, Response::kSlow, kCarriedThrough, isBelow(limit), &slow);
+  findRuns(window, window.injection, Response::kHoldStill, kCarriedThrough, isBelow(kStill), &still);
   joinSlowing(slow, still, found);
+  // At rest when anybody could react: staying so is the answer, as with a pedal that is up.
+  if (!staying.empty() && staying.front().after <= cue + kQuickest + kComesToStand) found->push_back(staying.front());
 }
 
 /** Judged at the end of its time: a moving hand goes far before the surgeon notices. */
@@ -168,6 +171,7 @@ void findPush(const HazardWindow& window, const HandMotionTrack& hand, Tick cue,
   Vector3 displacement = Vector3::Zero();
   for (std::size_t k = begin; k < end; ++k) {
     if (window.samples[k].pedal == 0) return;
+    if (window.samples[k].leads == 0) continue;
     path += hand.velocity(k).norm() * kTickSeconds;
     displacement += hand.velocity(k) * kTickSeconds;
   }
@@ -199,7 +203,8 @@ void measureExcursion(const HazardWindow& window, HazardResponse* result) {
       if (start.has_robot != 0) {
         result->excursion = std::max(result->excursion, distance(at(sample.robot_B, arm), at(start.robot_B, arm)));
       }
-      result->error = std::max(result->error, distance(at(sample.robot_B, arm), at(sample.model_B, arm)));
+      if (sample.apart == 0)
+        result->error = std::max(result->error, distance(at(sample.robot_B, arm), at(sample.model_B, arm)));
     }
   }
 }
@@ -362,6 +367,22 @@ bool isFinal(const HazardWindow& window,
   return isSameIfProlonged(window, rule, explained, result);
 }
 
+/** The log does not show the hands in a pause: nothing behind it answers the hazard. */
+HazardWindow untilPause(HazardWindow window) {
+  const auto from = window.samples.begin() + static_cast<std::ptrdiff_t>(window.injection);
+  const auto pause =
+      std::find_if(from, window.samples.end(), [](const HandSample& sample) { return sample.paused != 0; });
+  if (pause != window.samples.end()) window.samples.erase(pause + 1, window.samples.end());
+  return window;
+}
+
+ForceMotion first(ForceMotion motion, std::size_t count) {
+  for (std::vector<Vec3>& places : motion) {
+    if (places.size() > count) places.resize(count);
+  }
+  return motion;
+}
+
 }  // namespace
 
 ResponseRule ruleOf(const ExerciseDrill& drill) {
@@ -394,13 +415,15 @@ ForceMotion explainByForce(const std::vector<HandSample>& samples, const HandCon
   return motion;
 }
 
-HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained) {
+HazardResponse judgeResponse(const HazardWindow& whole, const ResponseRule& rule, const ForceMotion& all_explained) {
   HazardResponse result;
-  result.recovered = window.recovered;
-  if (window.injection >= window.samples.size()) return result;
-  result.duration = static_cast<Tick>(std::max(recovery(window), window.injection) - window.injection);
-  measureForce(window, &result);
-  measureExcursion(window, &result);
+  result.recovered = whole.recovered;
+  if (whole.injection >= whole.samples.size()) return result;
+  result.duration = static_cast<Tick>(std::max(recovery(whole), whole.injection) - whole.injection);
+  measureForce(whole, &result);
+  measureExcursion(whole, &result);
+  const HazardWindow window = untilPause(whole);
+  const ForceMotion explained = first(all_explained, window.samples.size());
   const Cue cue = findCue(window);
   result.cue_after = cue.after;
   result.sense = cue.sense;

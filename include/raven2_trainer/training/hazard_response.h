@@ -58,6 +58,10 @@ struct HandSample {
   std::uint8_t has_robot{};           ///< 1 the robot's tips are known
   std::uint8_t linked{};              ///< 1 the robot follows the hands
   std::uint8_t has_force{};           ///< 1 a force was computed of this millisecond
+  std::uint8_t leads{1};              ///< 1 the hands move the robot's tools; 0 camera pedal, stop, practice, plan
+  std::uint8_t executes{};            ///< 1 a plan moves the robot while the pedal is down
+  std::uint8_t apart{};               ///< 1 the model leaves the robot on purpose: practice, plan, replay
+  std::uint8_t paused{};              ///< 1 the session's clock stopped here: what was done meanwhile is not known
   PerArm<Vec3> master_I{};            ///< [m] ModelState::master_I: tip, not hand
   PerArm<Vec3> force_I{};             ///< [N] given to the hands
   PerArm<double> cue_force{};         ///< [N] size of force_I without guidance and edge force
@@ -131,16 +135,17 @@ Tick watchOf(const ResponseRule& rule) noexcept;
  * kHoldStill and kSlow the end is kCarriedThrough behind the answer, of others the answer itself.
  *
  * kPedalUp: the pedal goes up and stays up for disengagedFor(). Where it was up already when anybody could react, and
- * stays up, it counts from then on. kStop: one is asked for.
+ * stays up, it counts from then on. kStop: one is asked for. A pause ends the window: what was done in it is not known.
  *
  * The others are the start of a run of samples with the pedal down. w is a hand's velocity less what the force
  * explains, u its mean over the 200 ms before the injection.
  * - kRetreat: w u / |u| <= -10 mm/s for 30 ms, if |u| >= 10 mm/s.
  * - kSlow: |w| of the faster hand <= max(|u| / 5, 5 mm/s) for kCarriedThrough, if |u| >= 10 mm/s.
  * - kHoldStill: the same, and |w| <= 5 mm/s for that long beginning 150 ms later at the latest. Where no hand was as
- * fast as 10 mm/s: |w| <= 5 mm/s for that long, from kQuickest behind the cue on or later.
+ * fast as 10 mm/s, or where they are at rest by then: |w| <= 5 mm/s for that long, from kQuickest behind the cue on.
  * - kPushOn: 1.5 s behind the cue, if the pedal stayed down all the time and a hand went more than 20 mm, ending along
- * u (anywhere, if it was at rest).
+ * u (anywhere, if it was at rest). Only motion that moves the tools counts.
+ * kSlow and kHoldStill do not answer while a plan moves the robot.
  */
 HazardResponse judgeResponse(const HazardWindow& window, const ResponseRule& rule, const ForceMotion& explained);
 

@@ -789,5 +789,68 @@ TEST(HazardResponse, MeasuresNothingFromARobotThatIsNotKnown) {
   EXPECT_EQ(judge(window).excursion, 0.0);
 }
 
+TEST(HazardResponse, WhoCameToStandBeforeAnybodyReactsAnswersByStayingSo) {
+  for (const Tick stand : {150, 250, 285}) {
+    const auto until = [stand](Tick end) {
+      HazardWindow window = makeQuietWindow([=](Tick t) { return t < stand || t >= end ? 0.08 : 0.0; });
+      push(&window, 200, 400, {0.0, 1.0, 0.0});
+      return judge(window);
+    };
+    EXPECT_EQ(until(9000).verdict, Verdict::kRight) << stand;
+    EXPECT_EQ(until(9000).deciding.response, Response::kHoldStill);
+    EXPECT_EQ(until(9000).deciding.after, 200 + kQuickest);
+    EXPECT_EQ(until(2200).verdict, Verdict::kNone) << "not for two seconds";
+  }
+}
+
+TEST(HazardResponse, HandsThatRestWhileAPlanMovesTheToolsAnswerNothing) {
+  for (const double speed : {0.0, 0.08}) {  // before they come to rest
+    HazardWindow window = makeWindow(then(speed, 400, 0.0));
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+    for (HandSample& sample : window.samples) {
+      sample.executes = 1;
+      sample.leads = 0;
+    }
+    EXPECT_EQ(judge(window).verdict, Verdict::kNone);
+    liftPedal(&window, 437, 6000);
+    EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+    EXPECT_EQ(judge(window).deciding.after, 437);
+  }
+}
+
+TEST(HazardResponse, AGapThatTheModelMakesAloneIsNoCueUntilItHasClosed) {
+  for (const Arm arm : kArms) {
+    HazardWindow window = makeQuietWindow(goingOn);
+    for (Tick t = 500; t < 3300; ++t) {
+      at(sampleAt(&window, t).robot_B, arm) = {0.0, 0.0, 0.01};
+      sampleAt(&window, t).apart = t < 3000 ? 1 : 0;
+    }
+    EXPECT_EQ(judge(window).sense, Sense::kNone);
+    EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
+    for (Tick t = 3500; t < 4000; ++t)
+      at(sampleAt(&window, t).robot_B, arm) = {0.0, 0.0, 0.01};
+    EXPECT_EQ(judge(window).cue_after, 3500 + kNoticed);
+  }
+}
+
+TEST(HazardResponse, AHandThatMovesNoToolDoesNotPushOn) {
+  HazardWindow window = makeWindow(goingOn);
+  liftPedal(&window, 1800, 6000);
+  EXPECT_EQ(judge(window).verdict, Verdict::kWrong);
+  for (Tick t = 200; t < 1800; ++t)
+    sampleAt(&window, t).leads = 0;
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight);
+  EXPECT_EQ(judge(window).deciding.after, 1800);
+}
+
+TEST(HazardResponse, APauseEndsWhatIsKnown) {
+  HazardWindow window = makeWindow(goingOn);
+  liftPedal(&window, 437, 2600);
+  sampleAt(&window, 3000).paused = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "the answer was over";
+  sampleAt(&window, 1000).paused = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

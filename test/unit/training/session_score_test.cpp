@@ -843,5 +843,52 @@ TEST_F(SessionScoreTest, WhatEitherArmHoldsAsTheTimerStartsIsCarried) {
   }
 }
 
+FaultChangeRecord changeOf(const TickRecord& record, std::uint32_t id, bool acts) {
+  FaultChangeRecord change;
+  change.tick = record.model.tick;
+  change.change.id = id;
+  change.change.acts = acts ? 1 : 0;
+  return change;
+}
+
+TEST_F(SessionScoreTest, AHazardInTheMidstOfAnotherIsJudgedToo) {
+  session::LogHeader header = makeHeader();
+  header.scenarios = {"friction", "sudden_jump"};
+  begin(header);
+  for (Tick k = 0; k < 9000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+    record.model.pedal = k >= kInjection + 350 && k < kInjection + 2450 ? 0 : 1;
+    if (k == 500) writer_->write(changeOf(record, 1, true));
+    if (k == kInjection || k == kInjection + 400) writer_->write(changeOf(record, 2, k == kInjection));
+    writer_->write(record);
+  }
+  const std::vector<HazardScore> hazards = finish().hazards;
+  ASSERT_EQ(hazards.size(), 2U);
+  EXPECT_EQ(hazards[1].scenario, "sudden_jump");
+  EXPECT_EQ(hazards[1].injection, kInjection);
+  EXPECT_EQ(hazards[1].response.verdict, Verdict::kRight);
+}
+
+TEST_F(SessionScoreTest, WhatIsDoneInAPauseIsUnknown) {
+  begin();
+  for (Tick k = 0; k < 12'000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    const bool is_paused = k >= kInjection + 300 && k < kInjection + 3300;
+    if (is_paused) record.model.mode = Mode::kPaused;
+    if (k >= kInjection + 300) record.model.session_tick = is_paused ? kInjection + 299 : k - 3000;
+    record.model.pedal = k >= kInjection + 500 && k < kInjection + 3300 ? 0 : 1;
+    at(record.model.master_I, Arm::kGold) = {8e-6 * static_cast<double>(k), 0.0, 0.0};
+    if (k >= kInjection && k < kInjection + 300) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+    if (k == kInjection || k == kInjection + 300) writer_->write(changeOf(record, 1, k == kInjection));
+    writer_->write(record);
+  }
+  const HazardResponse response = finish().hazards.at(0).response;
+  EXPECT_EQ(response.cue_after, kNoticed);
+  EXPECT_EQ(response.verdict, Verdict::kNotJudged);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

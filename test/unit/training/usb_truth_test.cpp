@@ -11,6 +11,7 @@
 #include "motion_support.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/session/session_log.h"
+#include "raven2_trainer/training/session_metrics.h"
 
 namespace raven2_trainer::training {
 namespace {
@@ -168,6 +169,19 @@ TEST_F(UsbTruthTest, WhatLastedToTheEndOfAnEarlierProgramDoesNotActInTheSession)
   writeInjections({injectionOf(momentOf(-5000))}, kStart - kBegan, kStart + kSecond);
   EXPECT_EQ(mergeUsbTruth(file_, paths_, TruthBy::kClockAlone).inside, 1U) << "this program ran in the session";
   EXPECT_EQ(loadUsbTruth(paths_.usbTruth()).value().changes.at(0).tick, kFirstTick);
+}
+
+TEST_F(UsbTruthTest, ChangesThatTheLibraryLostAreLostToTheSession) {
+  writeInjections({injectionOf(momentOf(kInjection))});
+  nlohmann::json truth;
+  std::ifstream in(file_);
+  in >> truth;
+  in.close();
+  truth["changes_lost"] = 3;
+  std::ofstream(file_) << truth;
+  ASSERT_EQ(mergeUsbTruth(file_, paths_, TruthBy::kClockOrCommands).inside, 1U);
+  EXPECT_EQ(loadUsbTruth(paths_.usbTruth()).value().lost, 3U);
+  EXPECT_EQ(computeMetrics(paths_.log()).counts.fault_changes_lost, 3U);
 }
 
 }  // namespace
