@@ -5,6 +5,7 @@ import re
 
 import numpy as np
 
+from raven2_report import metric_words
 from raven2_report.text import counted, esc, is_number, number, percent, table, words
 
 PAPER_ERROR = "2.43 ± 1.72 mm"  # Li et al. 2017, Figure 4: the real robot in a run without faults
@@ -81,7 +82,7 @@ class Details:
     def _no_fault(self):
         unknown = len(self.facts.deviations)
         if not unknown:
-            return "No fault acted on the robot."
+            return metric_words.no_fault(self.facts.unmerged)
         are = "is" if unknown == 1 else "are"
         return f"No fault is known. {counted(unknown, 'deviation').capitalize()} of unknown cause {are} listed above."
 

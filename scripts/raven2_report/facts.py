@@ -113,6 +113,15 @@ class Facts:
             for a, b, name in series.fault_windows]
         self.hazards = self._hazards()
         self.deviations = self._deviations()
+        self.unmerged = self._unmerged()
+
+    def _unmerged(self):
+        """Whether a real robot took part and nobody brought in the faults, if any, that it had by itself (merge_truth)."""
+        robot = self.series.ticks["robot"]
+        if "is_virtual" not in robot.dtype.names:
+            return False
+        is_real = bool(((robot["frame"] > 0) & (robot["is_virtual"] == 0)).any())
+        return is_real and not os.path.isfile(os.path.join(self.session.directory, "usb_truth.json"))
 
     # ---- clocks ---------------------------------------------------------------------------------------------
 

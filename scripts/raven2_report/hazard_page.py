@@ -14,7 +14,7 @@ HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of name
 
 def section(facts):
     if not facts.hazards:
-        return _unexplained(facts) or "<p>No fault acted on the robot.</p>"
+        return _unexplained(facts) or f"<p>{metric_words.no_fault(facts.unmerged)}</p>"
     parts, described = [_table(facts)], set()
     for i, hazard in enumerate(facts.hazards[:MOST], 1):
         parts.append(f'<div class="hazard"><h3>Hazard {i}: {esc(words(hazard["name"]))} <small>'
@@ -30,8 +30,8 @@ def _unexplained(facts):
         return ""
     rows = [[number(d["at_s"], 3, "s"), number(1000 * (d["end_s"] - d["at_s"]), 0, "ms"), d["arm"],
              number(d["error_mm"], 2, "mm"), number(d["force_N"], 2, "N")] for d in facts.deviations]
-    return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, a force came to the hand, and this session knows of no fault "
-            "then. A fault that the library at the USB boundary injected looks like this; "
+    return ("<h3>Deviations of unknown cause</h3><p>Model and robot parted, a force came to the hand, and this session "
+            "knows of no fault then. A fault that the library at the USB boundary injected looks like this; "
             "<code>merge_truth DIR FILE</code> brings in what that library wrote.</p>"
             + table(["Began", "Lasted", "Arm", "Largest tip error", "Strongest force"], rows, {0, 1, 3, 4}))
 

@@ -116,7 +116,13 @@ def why_unjudged(hazard):
     early = hazard.get("coincidences")
     if any(isinstance(r, dict) and r.get("response") == "stop" for r in (early if isinstance(early, list) else [])):
         return "an emergency stop came before anybody could react"
-    return "the recording ends before an answer could be seen"
+    return "the recording ends, or was paused, before an answer could be seen"
+
+
+def no_fault(unmerged):
+    """Of a session in which no fault is known. unmerged: of Facts."""
+    return ("No fault is known. Of a real robot's own faults a session knows only what merge_truth brought in."
+            if unmerged else "No fault acted on the robot.")
 
 
 def words_of(name):

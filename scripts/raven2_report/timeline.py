@@ -72,6 +72,7 @@ def section(facts):
     _modes(facts, lanes)
     _steps(facts, lanes)
     _hazards(facts, lanes)
+    _deviations(facts, lanes)
     _mistakes(facts, lanes)
     _forces(facts, lanes)
     axis = drawing.Panel(LEFT, lanes.y - 8, WIDTH - LEFT - RIGHT, 0.001, lanes.range, (0, 1))
@@ -146,6 +147,17 @@ def _hazards(facts, lanes):
         last = short + long[long.rfind(":"):] if ":" in long else short
         label = next((entry for entry in (long, last, short, str(number)) if len(entry) * 6.6 < room), "")
         lanes.parts.append(drawing.text(start, panel.y + 27, label, 12))
+
+
+def _deviations(facts, lanes):
+    if not facts.deviations:
+        return
+    panel = lanes.lane("Unknown cause", 22)
+    lanes.parts.append(drawing.rect(panel.x, panel.y, panel.width, panel.height, drawing.PANEL))
+    for found in facts.deviations:
+        title = (f"{found['arm']} arm, cause unknown: {found['at_s']:.3f} s to {found['end_s']:.3f} s, "
+                 f"{found['error_mm']:.1f} mm, {found['force_N']:.1f} N")
+        lanes.parts.append(panel.shade(found["at_s"], found["end_s"], drawing.SOFT, title))
 
 
 def _mistakes(facts, lanes):

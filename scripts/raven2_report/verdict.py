@@ -129,16 +129,18 @@ def story(facts):
     if not faults:
         count = len(facts.deviations)
         parts.append("without any known fault, in which the robot left its model "
-                     f"{_times(count)} for an unknown cause" if count else "without any injected fault")
+                     f"{_times(count)} for an unknown cause" if count else
+                     "without any known fault" if facts.unmerged else "without any injected fault")
     else:
         names = " and ".join(sorted({f"“{words(f['name'])}”" for f in faults}))
-        parts.append(f"in which the hazard {names} was injected into the robot {_times(len(faults))}")
+        parts.append(f"in which the hazard {names} acted {_times(len(faults))}")
     text = " ".join(parts)
     errors = [f["max_error_mm"] for f in faults if "max_error_mm" in f]
     if errors:
-        text += (f": the instrument's tip left the path that the surgeon's hand gave it by up to {max(errors):.1f} mm"
-                 f"{_warning(facts)}")
+        text += f": the robot's tip left that of its model by up to {max(errors):.1f} mm{_warning(facts)}"
     text += "."
+    if faults and facts.deviations:
+        text += f" Apart from that, the robot left its model {_times(len(facts.deviations))} for an unknown cause."
     if facts.emergency_stop() is not None:
         text += f" The robot's emergency stop acted after {facts.emergency_stop():.1f} s."
     return text

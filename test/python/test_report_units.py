@@ -128,7 +128,8 @@ def record_facts(facts):
     return SimpleNamespace(**{**vars(facts), "score": {}, "name": "s", "meta": {}, "duration": 1.0, "header": {
         "hazard": "none", "seed": 1, "motion": ""}, "training": {"exercise": "x", "drill": "none", "trainee": "",
                                                                "curriculum": "none"}, "phases": [], "steps": [],
-        "mistakes": lambda: [], "hazards": [], "deviations": [], "faults": [], "moments": lambda: [], "series": series,
+        "mistakes": lambda: [], "hazards": [], "deviations": [], "unmerged": False, "faults": [],
+        "moments": lambda: [], "series": series,
         "emergency_stop": lambda: None, "session": SimpleNamespace(directory=".")})
 
 
@@ -186,7 +187,7 @@ def test_a_response_long_after_the_injection_may_still_be_too_early_for_the_cue(
 
 STOP, RELEASE = ({"response": response, "after_ms": 350} for response in ("stop", "pedal_up"))
 WHY = {"nothing": "there was nothing to feel or to see in time", "stop": "an emergency stop came before anybody could react",
-       "end": "the recording ends before an answer could be seen"}
+       "end": "the recording ends, or was paused, before an answer could be seen"}
 
 
 @pytest.mark.parametrize("cue, early, why", [
@@ -310,7 +311,7 @@ FAULTS = [{"name": "sudden_jump", "first_tick": 1234, "last_tick": 1533, "first_
 def engineering(**more):
     header = {"hazard": "sudden_jump"}
     facts = SimpleNamespace(session=None, series=SimpleNamespace(t=np.zeros(12500)), metrics=METRICS, meta={}, log=None,
-                            header=header, duration=12.5, faults=FAULTS, deviations=[], score_broken=False)
+                            header=header, duration=12.5, faults=FAULTS, deviations=[], unmerged=False, score_broken=False)
     return details.Details(SimpleNamespace(**{**vars(facts), **more}))
 
 
@@ -371,14 +372,15 @@ def story_facts(judged, forces=(2.25, 2.25)):
     """FAULTS with these largest forces, and their hazards in score.json."""
     faults = [{**fault, "max_force_N": force} for fault, force in zip(FAULTS, forces)]
     hazards = [{"fault": fault, "judged": entry} for fault, entry in zip(faults, judged)]
-    return SimpleNamespace(duration=12.5, faults=faults, hazards=hazards, deviations=[], emergency_stop=lambda: 4.25)
+    return SimpleNamespace(duration=12.5, faults=faults, hazards=hazards, deviations=[], unmerged=False,
+                           emergency_stop=lambda: 4.25)
 
 
 def test_the_story_has_millimetres_newtons_and_seconds():
     assert verdict.story(story_facts([{"cue": "force", "cue_after_ms": 12}] * 2)) == (
-        "A session of 12 s in which the hazard “sudden jump” was injected into the robot twice: the instrument's tip "
-        "left the path that the surgeon's hand gave it by up to 10.1 mm, and each time the surgeon was warned through "
-        "the hand controller, with up to 2.2 N. The robot's emergency stop acted after 4.2 s.")
+        "A session of 12 s in which the hazard “sudden jump” acted twice: the robot's tip left that of its model by up "
+        "to 10.1 mm, and each time the surgeon was warned through the hand controller, with up to 2.2 N. The robot's "
+        "emergency stop acted after 4.2 s.")
 
 
 FELT = {"cue": "force", "cue_after_ms": 12}
@@ -448,7 +450,8 @@ def test_faults_are_not_denied_where_a_deviation_has_no_known_cause(count, said)
 
 
 def test_deviations_of_unknown_cause_stand_on_the_page():
-    facts = SimpleNamespace(hazards=[], deviations=parted_facts([]), duration=10.0, faults=[], emergency_stop=lambda: None)
+    facts = SimpleNamespace(hazards=[], deviations=parted_facts([]), duration=10.0, faults=[], unmerged=False,
+                            emergency_stop=lambda: None)
     page = hazard_page.section(facts)
     assert "No fault acted" not in page and cells(page)[1] == ["2.000 s", "700 ms", "green", "8.37 mm", "1.26 N"]
     assert "left its model twice for an unknown cause" in verdict.story(facts)
@@ -768,3 +771,70 @@ def test_a_hazard_s_curves_are_of_its_arm_from_where_the_model_was_then(arm):
 def test_a_point_of_the_curve_passes_on_its_side_of_the_limit(better, inside, outside):
     metric = {"limit": 5.0, "better": better}
     assert curves._within(metric, inside) and curves._within(metric, 5.0) and not curves._within(metric, outside)
+
+
+@pytest.mark.parametrize("unmerged", [False, True])
+def test_faults_of_a_real_robot_are_not_denied(unmerged):
+    facts = SimpleNamespace(hazards=[], deviations=[], faults=[], duration=10.0, unmerged=unmerged,
+                            emergency_stop=lambda: None)
+    assert ("No fault acted" in hazard_page.section(facts)) != unmerged
+    assert ("without any injected fault" in verdict.story(facts)) != unmerged
+    assert ("No fault acted" in engineering(faults=[], unmerged=unmerged).fault_table()) != unmerged
+
+
+@pytest.mark.parametrize("frame, virtual, merged, unmerged", [
+    (1, 0, False, True), (1, 0, True, False), (1, 1, False, False), (0, 0, False, False)])
+def test_what_a_real_robot_had_is_unknown_until_it_is_merged(tmp_path, frame, virtual, merged, unmerged):
+    robot = np.array([(frame, virtual)], dtype=[("frame", "u8"), ("is_virtual", "u1")])
+    if merged:
+        (tmp_path / "usb_truth.json").write_text("{}")
+    facts = SimpleNamespace(series=SimpleNamespace(ticks={"robot": robot}),
+                            session=SimpleNamespace(directory=str(tmp_path)))
+    assert Facts._unmerged(facts) == unmerged
+
+
+def test_deviations_are_on_the_timeline_and_told_next_to_a_known_fault():
+    facts = story_facts([FELT, FELT])
+    assert "unknown cause" not in verdict.story(facts)
+    facts.deviations = parted_facts([])
+    assert "Apart from that, the robot left its model twice for an unknown cause." in verdict.story(facts)
+    lanes = timeline.Lanes(10.0)
+    timeline._deviations(facts, lanes)
+    drawn = "".join(lanes.parts)
+    assert "green arm, cause unknown: 2.000 s to 2.700 s, 8.4 mm, 1.3 N" in drawn and "7.000 s to 7.010 s" in drawn
+
+
+@pytest.mark.parametrize("arm", [0, 1])
+def test_a_hazard_s_picture_is_where_the_robot_of_either_arm_is_farthest_off(arm):
+    error = np.zeros((1000, 2))
+    error[150, arm], error[380, arm], error[800, arm] = 30.0, 9.0, 50.0
+    error[300, 1 - arm] = 8.0
+    facts = SimpleNamespace(series=SimpleNamespace(t=np.arange(1000) / 1000, error_mm=error))
+    for end in (0.25, None):
+        assert Facts._worst(facts, {"at_s": 0.2, "end_s": end}) == 0.38, "up to 200 ms behind its end"
+
+
+def test_of_too_many_moments_the_steps_give_way_to_mistakes_and_hazards():
+    events = [{"kind": "step_done", "at_s": float(at), "step": "lift"} for at in range(1, 21)]
+    facts = SimpleNamespace(duration=60.0, hazards=[{"name": "jump"}], events=events,
+                            series=SimpleNamespace(tracking=np.zeros(1, bool)), _worst=lambda hazard: 50.1,
+                            answers=lambda hazard: [], mistakes=lambda: [{"at_s": 40.0}],
+                            mistake_text=lambda event: "wire touched")
+    found = Facts.moments(facts)
+    assert [moment["at_s"] for moment in found] == pytest.approx([0.0, *range(1, 9), 40.0, 50.1, 59.9])
+
+
+def test_each_attempt_has_its_begin_its_length_and_its_mistakes():
+    ended = {"number": 1, "first_tick": 1500, "last_tick": 126500, "status": "done", "passed": True,
+             "mistakes": {"drop": 2, "collision": 0}}
+    waiting = {"number": 2, "first_tick": None, "last_tick": None, "status": "waiting", "passed": None}
+    rows = scorecard.attempts_table(SimpleNamespace(attempts=[ended, waiting]))
+    assert rows == [["1", "1.5 s", "2 min 05 s", "done", "Dropped: 2", "✓ passed"],
+                    ["2", "–", "–", "waiting", "none", "not judged"]]
+
+
+def test_the_first_screen_says_how_long_the_attempt_itself_was():
+    attempt = {"status": "done", "number": 2, "composite": 0.75}
+    facts = SimpleNamespace(attempt=attempt, attempts=[attempt] * 3, attempt_span=lambda: (30.0, 155.5))
+    assert scorecard._attempt_line(facts) == (
+        "Attempt 2 of 3, 2 min 05 s long, 75 % of the judged metrics passed (to pass, all have to)")

@@ -535,7 +535,7 @@ def test_a_hazard_that_nobody_could_notice_is_no_failure(tmp_path):
 
 
 @pytest.mark.parametrize("early, why", [("stop", "an emergency stop came before anybody could react"),
-                                        ("retreat", "the recording ends before an answer could be seen")])
+                                        ("retreat", "the recording ends, or was paused, before an answer could be seen")])
 def test_the_headline_says_why_a_noticed_hazard_is_not_judged(tmp_path, early, why):
     hazard = {**made.hazard("not_judged", None), "coincidences": [{"response": early, "after_ms": 90}]}
     scored = made.score(None, improve=[], hazards=[hazard], values={"time": made.metric(1.8, 2.0, 0.1, 2.5)})
