@@ -204,10 +204,12 @@ class SessionLog:
 
     def names(self, record, field):
         """Names of the values of an enum, e.g. names("tick", "model.mode")."""
-        fields = next(entry["fields"] for entry in self.header["records"] if entry["name"] == record)
+        fields = _entry(self.header["records"], record, "record")["fields"]
         for part in field.split("."):
-            found = next(entry for entry in fields if entry["name"] == part)
+            found = _entry(fields, part, "field")
             fields = found.get("fields", [])
+        if "names" not in found:
+            raise ValueError(f"{field} has numbers, no names")
         return found["names"]
 
     def _load(self, path, data, flight):
@@ -498,11 +500,19 @@ def _columns(name, values):
         yield name, values
 
 
+def _entry(entries, name, what):
+    for entry in entries:
+        if entry["name"] == name:
+            return entry
+    raise ValueError(f"no {what} is called {name!r}, expected one of {', '.join(entry['name'] for entry in entries)}")
+
+
 class Session:
     """A session directory: `log`, and `metrics`, `faults`, `meta` as dicts (empty where the file is missing). `ticks` as SessionLog."""
 
     def __init__(self, directory, ticks=None):
         self.directory = directory
+        self._place = os.path.abspath(directory)  # a later chdir changes nothing
         path = os.path.join(directory, "session.rlog")
         if not os.path.isfile(path):
             raise SessionError(f"{directory}: is no session directory (no session.rlog in it)")
@@ -517,5 +527,5 @@ class Session:
 
     def file(self, name):
         """Path of a file of the session, or None if it is not there."""
-        path = os.path.join(self.directory, name)
+        path = os.path.join(self._place, name)
         return path if os.path.isfile(path) else None

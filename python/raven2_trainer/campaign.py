@@ -10,6 +10,7 @@ import tempfile
 from .plain import as_plain
 
 ERROR = "raven2_trainer: "  # begins the last line of a program that refused
+HELP = "Run with --help for more information."  # follows what is wrong with an option
 PROGRAM = pathlib.Path(__file__).parents[3] / "raven2_trainer/run_campaign"
 
 
@@ -37,6 +38,7 @@ class Campaign:
         said = done.stderr.strip().splitlines() or [f"run_campaign ended with {done.returncode}"]
         is_refused = done.returncode not in (0, 1) or said[-1].startswith(ERROR)
         if is_refused or not (output / "outcomes.csv").exists():
+            said = [line for line in said if line != HELP] or said
             raise RuntimeError(said[-1].removeprefix(ERROR))
         return outcomes(output)
 

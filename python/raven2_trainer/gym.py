@@ -6,6 +6,7 @@
 Success, mistakes and failure are the judgement of the same judge that scores surgeons. A reset restores a snapshot.
 """
 
+import os
 import pathlib
 
 import gymnasium
@@ -81,6 +82,7 @@ class Raven(gymnasium.Env):
     def __init__(self, exercise, arms=_ARMS, steps=None, hazard=None, pictures=None, robot=None, config=None, max_steps=None, variations=1,
                  render_mode=None):
         self.render_mode = render_mode
+        config = config and os.path.abspath(config)  # a later chdir changes nothing
         self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
         self._make = {"exercise": exercise, "robot": robot or ("none" if self._hazard is None else "virtual"), "config": config}
         self._arms = [_ARMS.index(arm) for arm in arms]

@@ -15,7 +15,7 @@ from .plain import as_plain
 def _root(config):
     """The packaged configuration lies in the same prefix as this package, in the devel and in the install space."""
     if config:
-        return os.fspath(config)
+        return os.path.abspath(os.fspath(config))  # a later chdir changes nothing
     packaged = pathlib.Path(__file__).parents[4] / "share/raven2_trainer/config/trainer.yaml"
     return str(packaged) if packaged.exists() and "RAVEN2_TRAINER_SHARE" not in os.environ else ""
 
@@ -95,6 +95,12 @@ class VectorSimulation:
         if not 1 <= n <= _core.MOST_SIMULATIONS:  # of a process
             raise ValueError(f"n is {n}, expected 1 to {_core.MOST_SIMULATIONS}")
         self._threads = threads or len(os.sched_getaffinity(0))
+
+        output = output and os.fsdecode(output)
+        for i in range(n) if output else ():  # before the first one is made
+            folder = os.path.join(output, str(i))
+            if os.path.exists(os.path.join(folder, "session.rlog")):
+                raise _core.SessionError(f"{folder}: already holds a session; give another directory")
 
         def make(i):
             return Simulation(exercise, hazard, seed + i, output=output and os.path.join(output, str(i)), **options)

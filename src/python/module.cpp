@@ -30,12 +30,21 @@ py::dict copied(const py::handle& given) {
   return py::reinterpret_steal<py::dict>(PyDict_Copy(given.ptr()));
 }
 
+/** @throw std::invalid_argument for invalid text, such as half of a surrogate pair. */
+std::string keyOf(const py::handle& key) {
+  try {
+    return py::cast<std::string>(py::str(key));
+  } catch (const py::cast_error&) {
+    throw std::invalid_argument("a key of the command is no text");
+  }
+}
+
 ArmCommand armCommand(const py::handle& given, const std::string& arm) {
   ArmCommand command;
   if (!py::isinstance<py::dict>(given)) throw std::invalid_argument(arm + ": expected a dict");
   const py::dict items = copied(given);
   for (const auto& [key, value] : items) {
-    const auto name = py::cast<std::string>(py::str(key));
+    const std::string name = keyOf(key);
     const std::string what = arm + "/" + name;
     if (name == "move") {
       command.move_W = arrayOf<Vec3>(value, what);
@@ -91,7 +100,7 @@ StepCommand stepCommand(const py::object& given) {
   StepCommand command;
   const py::dict items = copied(given);
   for (const auto& [key, value] : items) {
-    const auto name = py::cast<std::string>(py::str(key));
+    const std::string name = keyOf(key);
     if (name == "gold" || name == "green") {
       at(command.arms, name == "gold" ? Arm::kGold : Arm::kGreen) = armCommand(value, name);
     } else if (name == "pedal") {
@@ -103,8 +112,8 @@ StepCommand stepCommand(const py::object& given) {
   return command;
 }
 
-int demandTicks(int ticks) {
-  if (ticks < 1 || ticks > 1000000) throw std::invalid_argument("ticks: expected 1 to 1000000");
+int demandTicks(int ticks, const std::string& what = "ticks") {
+  if (ticks < 1 || ticks > 1000000) throw std::invalid_argument(what + ": expected 1 to 1000000");
   return ticks;
 }
 
@@ -125,7 +134,7 @@ void addCommands(py::class_<Simulation>* target) {
           },
           doc("Simulation.step"), py::arg("command") = py::none(), py::arg("ticks") = 1)
       .def(
-          "start", [](Simulation& self, int limit) { return self.start(demandTicks(limit), runSignals); },
+          "start", [](Simulation& self, int limit) { return self.start(demandTicks(limit, "limit"), runSignals); },
           doc("Simulation.start"), py::arg("limit") = 20000, py::call_guard<Unlocked>())
       .def(
           "save", [](Simulation& self) { return std::make_shared<Snapshot>(self.save()); }, doc("Simulation.save"),

@@ -92,7 +92,7 @@ py::tuple inverseOf(const Kinematics& self,
                     const py::object& given_p,
                     const py::object& given_R,
                     double opening) {
-  const auto p = Numbers::ensure(given_p), R = Numbers::ensure(given_R);
+  const Numbers p = numbersOf(given_p), R = numbersOf(given_R);
   PyErr_Clear();
   const bool fits = p && R && p.ndim() >= 1 && R.ndim() == p.ndim() + 1 && p.shape(p.ndim() - 1) == 3 &&
                     R.shape(R.ndim() - 1) == 3 && R.shape(R.ndim() - 2) == 3 &&
@@ -194,7 +194,7 @@ py::dict plan(Planner& self,
   request.arm = armOf(arm);
   request.start = arrayOf<JointArray>(start, "start");
   request.other = jointsOr(other, self.home(), "other");
-  const auto numbers = Numbers::ensure(goal);
+  const Numbers numbers = numbersOf(goal);
   PyErr_Clear();
   if (!numbers || numbers.ndim() != 1 || (numbers.size() != 3 && numbers.size() != 7))
     throw std::invalid_argument("goal: expected a tip position (3 numbers) or joints (7 numbers)");

@@ -35,6 +35,12 @@ constexpr int kInterruptTicks = 1000;
 constexpr Tick kPictureTicks = 33;         ///< from a live picture to the next
 constexpr double kMaxTurn = 0.0989;        ///< [rad] in a tick; less than a packet of the console takes
 
+/** Text of an exception, without the beginning that the next one's constructor adds again. */
+std::string reasonOf(const Exception& exception) {
+  const std::string text = exception.what(), beginning = Exception("").what();
+  return text.rfind(beginning, 0) == 0 ? text.substr(beginning.size()) : text;
+}
+
 }  // namespace
 
 TrainerConfig loadConfig(const SimulationOptions& options) {
@@ -149,7 +155,7 @@ Simulation::Simulation(const SimulationOptions& options)
   try {
     build(options);
   } catch (const ConfigException& e) {
-    wrong_setting = e.what();  // the exceptions may have memory in the arena, which goes
+    wrong_setting = reasonOf(e);  // the exceptions may have memory in the arena, which goes
   } catch (const std::exception& e) {
     trouble = e.what();
   }
@@ -212,6 +218,11 @@ void Simulation::demandHands(const StepCommand& command) const {
     throw std::invalid_argument("step: a simulated surgeon has the hands: no command, or motion=None");
 }
 
+/** [m] Along an axis in a tick, less what rounding may add. */
+double Simulation::largestMove() const {
+  return 1e-6 * (config_.network.itp.max_increment_um - 1);
+}
+
 /** A packet with more than its limit would be refused whole, and nothing would move. */
 void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const {
   const double turn = toEigen(command.turn_W).norm() / ticks;
@@ -222,12 +233,11 @@ void Simulation::demandSlow(Arm arm, const ArmCommand& command, int ticks) const
     from = led(arm);
     to = kinematics::forward(config_.arms.geometry, arm, *command.joints);
   }
-  const double largest = 1e3 * (to.p - from.p).cwiseAbs().maxCoeff() / ticks;
-  const double allowed = 1e-3 * (config_.network.itp.max_increment_um - 1);  // less what rounding may add
-  if (largest > allowed) {
+  const double largest = (to.p - from.p).cwiseAbs().maxCoeff() / ticks;
+  if (largest > largestMove()) {
     char text[160];
     std::snprintf(text, sizeof text, "%s: %.3g mm in a tick, at most %.3g mm along an axis: take more ticks", name(arm),
-                  largest, allowed);
+                  1e3 * largest, 1e3 * largestMove());
     throw std::invalid_argument(text);
   }
   demandSlowTurn(arm, from.R, to.R, ticks);
@@ -276,6 +286,7 @@ void Simulation::step(const StepCommand& command, int ticks, const std::function
   physics::attachOdeToThread();
   for (const Arm arm : kArms) {
     const ArmCommand& wanted = at(command.arms, arm);
+    if (!command.pedal) continue;
     if (wanted.jaw) at(jaws_, arm) = limited(*wanted.jaw);
     if (wanted.joints) at(jaws_, arm) = limited(kinematics::jawOpening(*wanted.joints));
   }
@@ -298,11 +309,12 @@ int Simulation::start(int limit, const std::function<void()>& interrupt) {
     rest.grasp = {source_->grasp(Arm::kGold), source_->grasp(Arm::kGreen)};
     source_->set(rest);
   }
-  for (int ticks = 0; ticks < limit; ++ticks) {
+  for (int ticks = 0; ticks <= limit; ++ticks) {
     const bool may_move = source_ == nullptr || source_->mayMove();
     const ModelState& model = view().model;
     const bool waits = has_robot_ ? model.mode == Mode::kPedalUp : traitsOf(model.mode).follows_robot;
     if (model.tick > 0 && may_move && waits) return ticks;
+    if (ticks == limit) break;
     if (ticks % kInterruptTicks == kInterruptTicks - 1) {
       interrupt();
       demandOpen();
@@ -349,13 +361,20 @@ Pose Simulation::led(Arm arm) const {
   return pose;
 }
 
-/** Toward the pose of the joints, so that what was rounded before counts. */
+/** Toward the pose of the joints, so that what was rounded before counts. An arm that is so far behind that it refuses
+ *  its set points must catch up first: more motion would lead it astray. A pose that does not come nearer asks for more
+ *  in each tick that is left: at most for what a packet may carry. */
 void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const {
+  const auto status = static_cast<kinematics::IkStatus>(at(view().model.arms, arm).ik_status);
+  if (!kinematics::isUsable(status)) return;
   const Pose now = led(arm);
   const Pose goal = kinematics::forward(config_.arms.geometry, arm, joints);
   const Matrix3 B_to_I = control::itpToBase(arm).transpose();
   const Eigen::AngleAxisd turn(Matrix3(goal.R * now.R.transpose()));
-  at(hands->move_I, arm) = toArray(Vector3(B_to_I * (goal.p - now.p) / left));
+  Vector3 move_I = B_to_I * (goal.p - now.p) / left;
+  const double most = largestMove(), largest = move_I.cwiseAbs().maxCoeff();
+  if (largest > most) move_I *= most / largest;
+  at(hands->move_I, arm) = toArray(move_I);
   const double angle = std::min(turn.angle() / left, kMaxTurn);
   at(hands->turn_I, arm) = quaternionOf(B_to_I * (angle * turn.axis()));
 }
@@ -396,7 +415,7 @@ void Simulation::close() {
   try {
     recording_->finish();
   } catch (const SessionException& e) {
-    end_trouble_ = e.what();
+    end_trouble_ = reasonOf(e);
     throw;
   }
 }

@@ -133,6 +133,7 @@ class Simulation : public Constructed {
   void demand(const StepCommand& command, int ticks) const;
   void ask(const FaultRequest& request);
   void demandHands(const StepCommand& command) const;
+  double largestMove() const;
   void demandSlow(Arm arm, const ArmCommand& command, int ticks) const;
   void build(const SimulationOptions& options);
   void destroyStack();

@@ -1025,3 +1025,93 @@ def test_depth_and_parts_are_those_of_the_scene(ready):
     assert abs(seen[2].mean() - ready.state.objects[0, 2]) < 0.03
     names = {ready.part_names[i] for i in np.unique(part)}
     assert any("_L" in name for name in names) and any("_R" in name for name in names), names
+
+
+def test_a_fast_set_point_does_not_freeze_the_arm():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=50)
+        goal = simulation.state.desired_joints[0] + [0, 0, 0.03, 0, 0, 0, 0]
+        for _ in range(3):
+            simulation.step({"gold": {"joints": goal}}, ticks=200)
+            simulation.step(ticks=500)
+        assert simulation.state.desired_joints[0] == pytest.approx(goal, abs=2e-3)
+        before = simulation.state.desired_tips_in_world[0].copy()
+        simulation.step({"gold": {"move": [0, 0, 0.005]}}, ticks=500)
+        assert simulation.state.desired_tips_in_world[0] - before == pytest.approx([0, 0, 0.005], abs=1e-4)
+
+
+def test_an_unreachable_set_point_costs_neither_the_pedal_nor_the_other_arm(tmp_path):
+    with raven2_trainer.Simulation(robot="none", output=tmp_path / "s") as simulation:
+        simulation.start()
+        simulation.step(ticks=50)
+        goal = simulation.state.desired_joints[0] + [0, 0, 0.5, 0, 0, 0, 0]
+        simulation.step({"gold": {"joints": goal}}, ticks=19900)
+        before = simulation.state.desired_tips_in_world[1].copy()
+        simulation.step({"green": {"move": [0, 0, 0.005]}}, ticks=300)
+        assert simulation.state.mode == "teleoperating"
+        assert simulation.state.desired_tips_in_world[1] - before == pytest.approx([0, 0, 0.005], abs=1e-4)
+    rejected = json.loads((tmp_path / "s/metrics.json").read_text())["packets"]["master_to_daemon"]["rejected"]
+    assert rejected["out_of_range"] == 0
+
+
+def test_a_relative_configuration_outlives_a_change_of_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    simulation = raven2_trainer.Simulation(config="config/trainer.yaml", robot="none", output=tmp_path / "s")
+    monkeypatch.chdir(tmp_path)
+    simulation.start()
+    simulation.close()
+    session = raven2_trainer.Session("s")
+    assert session.meta["realtime"] == "lockstep"
+    monkeypatch.chdir("/")
+    assert session.file("commands.csv")
+
+
+def test_jaws_asked_for_with_the_pedal_up_do_not_move_later():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=100)
+        before = simulation.state.joints[0, 5:].sum()
+        simulation.step({"gold": {"jaw": 0.2}, "pedal": False}, ticks=100)
+        simulation.step(ticks=500)
+        assert simulation.state.joints[0, 5:].sum() == pytest.approx(before, abs=0.02)
+
+
+@pytest.mark.parametrize("record, field", [("ticks", "model.mode"), ("tick", "model.mood"), ("tick", "model.tick")])
+def test_a_name_that_a_log_does_not_have_is_said(tmp_path, record, field):
+    raven2_trainer.Simulation(robot="none", output=tmp_path / "s").close()
+    log = raven2_trainer.Session(tmp_path / "s").log
+    with pytest.raises(ValueError, match="ticks|mood|model.tick"):
+        log.names(record, field)
+
+
+def test_many_that_could_not_be_made_leave_nothing_behind(tmp_path):
+    raven2_trainer.Simulation(output=tmp_path / "1", robot="none").close()
+    with pytest.raises(raven2_trainer.SessionError, match="already holds"):
+        raven2_trainer.VectorSimulation(3, output=tmp_path, robot="none")
+    assert [path.name for path in tmp_path.iterdir()] == ["1"]
+
+
+@pytest.mark.parametrize("kind", [complex, str, bool])
+def test_a_place_of_other_kinds_is_refused(kind):
+    with pytest.raises(ValueError, match="p, R"):
+        raven2_trainer.Kinematics().inverse("gold", np.ones(3).astype(kind), np.eye(3))
+
+
+def test_a_campaigns_wrong_seed_is_said(tmp_path):
+    with pytest.raises(RuntimeError, match="--seed"):
+        raven2_trainer.Campaign({"name": "x"}).run(tmp_path / "out", seed=-1)
+
+
+def test_a_start_may_take_as_long_as_its_limit():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        ticks = simulation.start()
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        with pytest.raises(ValueError, match="limit: expected 1"):
+            simulation.start(0)
+        assert simulation.start(ticks) == ticks
+
+
+def test_a_key_that_is_no_text_is_refused():
+    with raven2_trainer.Simulation(robot="none") as simulation, pytest.raises(ValueError, match="no text"):
+        simulation.step({"\ud800": {}})
