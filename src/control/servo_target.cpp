@@ -18,7 +18,10 @@ constexpr double kLeastRatio = 0.001;  // below it a move takes hours
 constexpr double kLeash = 1e-4;      // [m]
 constexpr double kLeashTurn = 1e-3;  // [rad]
 constexpr double kLeashJaw = 0.02;   // [rad]
-constexpr double kDvrkClosed = -20.0 * kPi / 180.0;  // [rad] jaw.close() of dvrk_python; beyond a Raven's jaws
+
+// [rad] Clients of a dVRK squeeze with goals beyond closed: -20 degrees in dvrk_python, -34 in others. Farther is a
+// mistake.
+constexpr double kSqueezed = -60.0 * kPi / 180.0;
 
 // Between poses looked at on a straight line: one of them is near enough to the next for the robot's choice of a
 // solution, which takes 17 mm of insertion for too far (raven2.md 2.5).
@@ -177,7 +180,8 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return takeMove(command);
     case ServoKind::kServoJaw:
     case ServoKind::kMoveJaw:
-      return takeJaw(command.jaw, command.kind == ServoKind::kMoveJaw);
+      return takeJaw(command.jaw < kMinOpening && command.jaw >= kSqueezed ? kMinOpening : command.jaw,
+                     command.kind == ServoKind::kMoveJaw);
     case ServoKind::kServoJawBy:
       return takeJaw((servos_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/false);
     case ServoKind::kMoveJawBy:
@@ -304,7 +308,6 @@ ServoVerdict ServoTarget::takeMove(const ServoCommand& command) noexcept {
 /** The jaws are no arm's length: what leads them far is their range, and their rate is limited. */
 ServoVerdict ServoTarget::takeJaw(double opening, bool is_move) noexcept {
   constexpr auto kJaws = static_cast<std::uint8_t>(kServoJointCount);
-  if (is_move && std::abs(opening - kDvrkClosed) < kSameJoint) opening = kMinOpening;
   opening = ontoLimit(opening, kMinOpening, kMaxOpening);
   if (opening < kMinOpening) return {ServoRefusal::kOutOfRange, kJaws, 1, opening, kMinOpening};
   if (opening > kMaxOpening) return {ServoRefusal::kOutOfRange, kJaws, 1, opening, kMaxOpening};

@@ -11,10 +11,11 @@ namespace raven2_trainer {
 
 /** Message types for CRTK clients. */
 enum class CrtkDialect : std::uint8_t {
-  kModern,  ///< crtk_msgs 1.3
-  kRaven,   ///< the robot's own branch `crtk`: TransformStamped, messages of the retired package
+  kModern,     ///< crtk_msgs 1.3
+  kRaven,      ///< the robot's own branch `crtk`: TransformStamped, messages of the retired package
+  kTransform,  ///< as kModern, poses as TransformStamped: clients from before crtk_python_client 1.2 (2023)
 };
-constexpr std::array<const char*, 2> kCrtkDialectNames{"modern", "raven"};
+constexpr std::array<const char*, 3> kCrtkDialectNames{"modern", "raven", "transform"};
 
 /** config/crtk.yaml: the arms as CRTK devices (doc/crtk.md). */
 struct CrtkConfig {

@@ -15,6 +15,7 @@ CrtkStyle styleOf(const CrtkConfig& config, Arm arm, const Pose& X_WB, const std
   CrtkStyle style;
   style.arm = arm;
   style.is_raven = config.dialect == CrtkDialect::kRaven;
+  style.is_transform = config.dialect == CrtkDialect::kTransform;
   style.name = above + at(config.names, arm);
   style.jaw = above + jawNamespace(config, arm);
   style.X_WB = X_WB;

@@ -73,6 +73,7 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
       name_(at(config.names, arm)),
       jaw_name_(jawNamespace(config, arm)),
       is_raven_(config.dialect == CrtkDialect::kRaven),
+      is_transform_(config.dialect == CrtkDialect::kTransform),
       geometry_(geometry),
       world_(worldFrame(X_WB)),
       base_(baseFrame(arm)),
@@ -204,10 +205,17 @@ void CrtkListener::hearJaw(const std::string& topic, ServoKind kind) {
 }
 
 void CrtkListener::hearPose(ServoKind kind, const CrtkFrame& frame) {
-  const std::string prefix = frame.name == base_.name ? "local/" : "";
   using geometry_msgs::PoseStamped;
-  hear<PoseStamped>(inArm(prefix + topicOf(kind)), queueOf(kind),
-                    [this, kind, frame](const PoseStamped& message) { return readPose(arm_, kind, frame, message); });
+  using geometry_msgs::TransformStamped;
+  const std::string topic = inArm((frame.name == base_.name ? "local/" : "") + std::string(topicOf(kind)));
+  if (is_transform_) {
+    hear<TransformStamped>(topic, queueOf(kind), [this, kind, frame](const TransformStamped& message) {
+      return readTransform(arm_, kind, frame, message);
+    });
+  } else {
+    hear<PoseStamped>(topic, queueOf(kind),
+                      [this, kind, frame](const PoseStamped& message) { return readPose(arm_, kind, frame, message); });
+  }
 }
 
 void CrtkListener::hearTwist(const CrtkFrame& frame) {

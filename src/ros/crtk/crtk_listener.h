@@ -63,7 +63,8 @@ class CrtkListener {
   ros::NodeHandle node_;
   const Arm arm_;
   const std::string name_, jaw_name_;
-  const bool is_raven_;  ///< the robot's own dialect
+  const bool is_raven_;      ///< the robot's own dialect
+  const bool is_transform_;  ///< all poses are TransformStamped
   const ArmGeometry geometry_;
   const CrtkFrame world_, base_;
   const std::optional<CrtkPublishers> before_;

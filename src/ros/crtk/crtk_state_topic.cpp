@@ -12,7 +12,7 @@ ros::Publisher advertiseState(ros::NodeHandle* node, const std::string& topic, C
   ros::AdvertiseOptions options;
   options.init<crtk::OperatingState>(topic, 1);
   options.latch = true;
-  if (dialect == CrtkDialect::kRaven) options.datatype = crtk::kRetiredOperatingStateType;
+  if (dialect != CrtkDialect::kModern) options.datatype = crtk::kRetiredOperatingStateType;
   return node->advertise(options);
 }
 

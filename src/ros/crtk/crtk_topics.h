@@ -15,6 +15,7 @@ namespace raven2_trainer::ros_bridge {
 struct CrtkStyle {
   Arm arm{Arm::kGold};
   bool is_raven{};        ///< the robot's own dialect
+  bool is_transform{};    ///< dialect `transform`: all poses are TransformStamped
   std::string name;       ///< namespace of the device
   std::string jaw;        ///< of its jaws
   Pose X_WB{};            ///< the arm's base in `world`

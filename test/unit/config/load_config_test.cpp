@@ -275,7 +275,7 @@ TEST_F(LoadConfig, WhatCrtkClientsMayAskForIsChecked) {
       {"release_after: 120.0 ", "release_after: -1 ", "release_after is -1"},
       {"twist_timeout: 15.0 ", "twist_timeout: 601 ", "twist_timeout is 601, expected [0.01, 600]"},
       {"trim_time: 1.0 ", "trim_time: 61 ", "trim_time is 61, expected [0, 60]"},
-      {"dialect: modern ", "dialect: old ", "dialect is \"old\", expected one of: modern, raven"},
+      {"dialect: modern", "dialect: old", "dialect is \"old\", expected one of: modern, raven, transform"},
       {"green: arm2 ", "green: arm1 ", "green is \"arm1\", as is gold"},
       {"green: arm2 ", "green: 2nd ", "green is \"2nd\", expected a ROS name"},
       {"green: arm2 ", "green: a//b ", "green is \"a//b\", expected a ROS name"},

@@ -265,8 +265,10 @@ TEST_P(ServoTargetTest, JointsBeyondTheirLimitsAreNamed) {
   EXPECT_EQ(wide.reason, ServoRefusal::kOutOfRange);
   EXPECT_EQ(wide.joint, 6);
   EXPECT_EQ(wide.limit, 1.57);
-  EXPECT_EQ(jaw(ServoKind::kMoveJaw, -0.2).reason, ServoRefusal::kOutOfRange);
-  EXPECT_EQ(jaw(ServoKind::kServoJaw, -20.0 * kDegree).reason, ServoRefusal::kOutOfRange);
+  for (const ServoKind kind : {ServoKind::kServoJaw, ServoKind::kMoveJaw})
+    EXPECT_EQ(jaw(kind, -61.0 * kDegree).reason, ServoRefusal::kOutOfRange);
+  for (const ServoKind kind : {ServoKind::kServoJawBy, ServoKind::kMoveJawBy})
+    EXPECT_EQ(jaw(kind, -11.0 * kDegree - target.opening()).reason, ServoRefusal::kOutOfRange);
 }
 
 TEST_P(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
@@ -501,11 +503,17 @@ TEST_P(ServoTargetTest, AServoCommandEndsMovesAndHoldEndsAll) {
   EXPECT_FALSE(target.isMoving());
 }
 
-TEST_P(ServoTargetTest, TheMoveWithWhichADvrkClosesItsJawsClosesOurs) {
-  ASSERT_EQ(jaw(ServoKind::kMoveJaw, -20.0 * kDegree).reason, ServoRefusal::kNone);
-  EXPECT_TRUE(target.isMoving());
-  finish();
-  EXPECT_EQ(target.opening(), kMinOpening);
+TEST_P(ServoTargetTest, GoalsWithWhichADvrkClosesItsJawsCloseOurs) {
+  for (const double goal : {-20.0 * kDegree, -0.6, -60.0 * kDegree}) {
+    for (const ServoKind kind : {ServoKind::kMoveJaw, ServoKind::kServoJaw}) {
+      ASSERT_EQ(jaw(ServoKind::kMoveJaw, 0.5).reason, ServoRefusal::kNone);
+      finish();
+      ASSERT_EQ(jaw(kind, goal).reason, ServoRefusal::kNone) << goal;
+      EXPECT_EQ(target.isMoving(), kind == ServoKind::kMoveJaw);
+      tick(3000);
+      EXPECT_EQ(target.opening(), kMinOpening) << goal;
+    }
+  }
 }
 
 TEST_P(ServoTargetTest, ATwistLastsForItsTime) {
@@ -1051,7 +1059,9 @@ TEST_P(AtALimit, OfTheJawsRoundingIsNoReasonToRefuse) {
       for (int i = 0; i < 8000; ++i)
         target.step();
       EXPECT_EQ(target.opening(), limit);
-      EXPECT_EQ(jaw(kind, limit + outwards * 6e-5).reason, ServoRefusal::kOutOfRange) << limit;
+      const bool is_squeeze = outwards < 0.0;  // below closed it closes
+      EXPECT_EQ(jaw(kind, limit + outwards * 6e-5).reason,
+                is_squeeze ? ServoRefusal::kNone : ServoRefusal::kOutOfRange);
     }
   }
 }

@@ -380,9 +380,11 @@ TEST(CrtkStates, TheRobotsOwnBranchNamesTheJointsByTheirArm) {
 TEST(CrtkFrames, EachArmHasItsOwnNames) {
   CrtkConfig config;
   config.names = {"arm1", "arm2"};
-  config.dialect = CrtkDialect::kModern;
-  EXPECT_EQ(jawNamespace(config, Arm::kGold), "arm1/jaw");
-  EXPECT_EQ(jawNamespace(config, Arm::kGreen), "arm2/jaw");
+  for (const CrtkDialect dialect : {CrtkDialect::kModern, CrtkDialect::kTransform}) {
+    config.dialect = dialect;
+    EXPECT_EQ(jawNamespace(config, Arm::kGold), "arm1/jaw");
+    EXPECT_EQ(jawNamespace(config, Arm::kGreen), "arm2/jaw");
+  }
   config.dialect = CrtkDialect::kRaven;
   EXPECT_EQ(jawNamespace(config, Arm::kGold), "grasp1");
   EXPECT_EQ(jawNamespace(config, Arm::kGreen), "grasp2");
