@@ -19,12 +19,14 @@ constexpr double kFast = 0.100;        // [m/s]
 constexpr double kSlowestPeak = 5.0;   // [N]
 constexpr double kFastestPeak = 40.0;  // [N]
 
-/** Approach of gold's tool, with closed jaws, to a body. The jaws end 10 mm beyond the tool's point. */
+/** Approach of a tool, with closed jaws, to a body. The jaws end 10 mm beyond the tool's point. */
 struct Approach {
   const char* name;
   Vector3 start;  // [m] of the tool's point, in W
   Vector3 along;
   const char* body;  // that the tool touches
+  Arm arm{Arm::kGold};
+  const char* exercise{""};  // whose scene it is
 };
 
 std::ostream& operator<<(std::ostream& out, const Approach& approach) {
@@ -41,6 +43,14 @@ const std::vector<Approach> kApproaches{
     {"plate", {-0.020, 0.005, 0.018}, {0, 0, -1}, "base_plate"},
     {"wire", {0.017, 0.030, 0.022}, {0, 1, 0}, "wire_left"},
     {"lid_by_the_shaft", {0.028, 0.030, 0.040}, {0, 1, 0}, "dome_lid"},
+    {"wall", {-0.032, 0.055, 0.026}, {-0.4540, 0.8910, 0}, "dome_wall"},
+    {"far_tower_by_green", {0.044, -0.006, 0.020}, {0, -1, 0}, "tower_far_right", Arm::kGreen},
+    {"plate_by_green", {-0.020, -0.005, 0.018}, {0, 0, -1}, "base_plate", Arm::kGreen},
+    {"peg", {0.006, 0.002, 0.018}, {0, 1, 0}, "peg_left_3", Arm::kGold, "peg_transfer"},
+    {"peg_by_green", {0.006, -0.002, 0.018}, {0, -1, 0}, "peg_right_3", Arm::kGreen, "peg_transfer"},
+    {"board", {0.006, 0.000, 0.022}, {0, 0, -1}, "board", Arm::kGold, "peg_transfer"},
+    {"rail", {0.002, 0.033, 0.028}, {1, 0, 0}, "rail_left", Arm::kGold, "ring_along_loops"},
+    {"rail_by_green", {0.002, -0.033, 0.028}, {1, 0, 0}, "rail_right", Arm::kGreen, "ring_along_loops"},
 };
 
 class Contacts {
@@ -77,35 +87,36 @@ struct Touch {
 
 /** Moves the tool to the start of the approach, on a free path. */
 void begin(const Approach& approach, Hands* hands) {
-  Wish wish = hands->wish(Arm::kGold);
+  Wish wish = hands->wish(approach.arm);
   wish.opening = 0.0;
   wish.X_WT.p = approach.start + Vector3(0, 0, 0.020);
-  hands->move(Arm::kGold, wish, 0.05);
+  hands->move(approach.arm, wish, 0.05);
   wish.X_WT.p = approach.start;
-  hands->move(Arm::kGold, wish, 0.05);
+  hands->move(approach.arm, wish, 0.05);
   hands->hold(0.5);
 }
 
-/** @param[in] reach [m] length of the commanded motion. */
-Touch touch(const TrainerConfig& config, const Approach& approach, double speed, double reach) {
+/** @param[in] reach [m] length of the commanded motion.
+ *  @param[in] after [s] the motion's end is held; negative: ends with the first contact. */
+Touch touch(const TrainerConfig& config, const Approach& approach, double speed, double reach, double after = 1.0) {
   const Pose out_of_the_way = {Matrix3::Identity(), Vector3(-0.05, 0.0, 0.03)};
   Hands hands(config, &out_of_the_way);
   begin(approach, &hands);
-  const Wish first = hands.wish(Arm::kGold);
-  const Vector3 start = hands.tool(Arm::kGold).p;
+  const Wish first = hands.wish(approach.arm);
+  const Vector3 start = hands.tool(approach.arm).p;
   Touch result;
   double touched_at = 0.0;
-  const int ticks = static_cast<int>((reach / speed + 1.0) / kTickSeconds);
-  for (int i = 1; i <= ticks; ++i) {
+  const int ticks = static_cast<int>((reach / speed + std::max(0.0, after)) / kTickSeconds);
+  for (int i = 1; i <= ticks && (after >= 0.0 || result.at < 0.0); ++i) {
     const double t = i * kTickSeconds;
     Wish wish = first;
     wish.X_WT.p += approach.along * std::min(reach, speed * t);
-    hands.place(Arm::kGold, wish);
+    hands.place(approach.arm, wish);
     hands.tick();
     const Contacts contacts(hands);
     result.sustained = contacts.force();
     if (result.at < 0.0 && result.sustained > 0.0) {
-      result.at = (hands.tool(Arm::kGold).p - start).dot(approach.along);
+      result.at = (hands.tool(approach.arm).p - start).dot(approach.along);
       result.met = contacts.touches(approach.body);
       touched_at = t;
     }
@@ -119,11 +130,14 @@ Touch touch(const TrainerConfig& config, const Approach& approach, double speed,
 
 /** [m] to the surface, measured at low speed. */
 double distance(const TrainerConfig& config, const Approach& approach) {
-  return touch(config, approach, 0.010, 0.040).at;
+  return touch(config, approach, 0.010, 0.040, -1.0).at;
 }
 
-TrainerConfig withSteps(int sub_steps) {
-  TrainerConfig config = trainerConfig();
+TrainerConfig configOf(const Approach& approach, int sub_steps) {
+  physics::initialiseOde();
+  physics::attachOdeToThread();
+  TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
+                                                   {approach.exercise, "none", "", "none"});
   config.model.sub_steps = sub_steps;
   return config;
 }
@@ -131,7 +145,7 @@ TrainerConfig withSteps(int sub_steps) {
 class ToolRunsInto : public ::testing::TestWithParam<Approach> {};
 
 TEST_P(ToolRunsInto, WithThePlausibleForceOfPlasticAndABendingShaft) {
-  const TrainerConfig config = trainerConfig();
+  const TrainerConfig config = configOf(GetParam(), 1);
   const double reach = distance(config, GetParam()) + kBehind;
   ASSERT_GT(reach, kBehind);
   const Touch slow = touch(config, GetParam(), kSlow, reach), fast = touch(config, GetParam(), kFast, reach);
@@ -145,9 +159,9 @@ TEST_P(ToolRunsInto, WithThePlausibleForceOfPlasticAndABendingShaft) {
 
 TEST_P(ToolRunsInto, WithTheSameForceAtHalfTheStep) {
   // GIVEN the surface found once: its place must not depend on the step either
-  const double reach = distance(trainerConfig(), GetParam()) + kBehind;
-  const Touch whole = touch(withSteps(1), GetParam(), kFast, reach),
-              half = touch(withSteps(2), GetParam(), kFast, reach);
+  const double reach = distance(configOf(GetParam(), 1), GetParam()) + kBehind;
+  const Touch whole = touch(configOf(GetParam(), 1), GetParam(), kFast, reach),
+              half = touch(configOf(GetParam(), 2), GetParam(), kFast, reach);
   EXPECT_NEAR(whole.peak, half.peak, 0.03 * half.peak);
   EXPECT_NEAR(whole.sustained, half.sustained, 0.03 * half.sustained);
 }
@@ -157,12 +171,11 @@ INSTANTIATE_TEST_SUITE_P(Parts, ToolRunsInto, ::testing::ValuesIn(kApproaches), 
 });
 
 TEST(TowerThatBreaksOff, BearsALightTouchAndNoBlow) {
-  physics::initialiseOde();
-  physics::attachOdeToThread();
-  const TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml",
-                                                         {"ring_tower_transfer", "none", "", "none"});
-  for (const Approach& approach : {Approach{"near", {-0.018, 0.014, 0.020}, {0, 1, 0}, "tower_near_left"},
-                                   Approach{"far", {0.020, 0.006, 0.020}, {0, 1, 0}, "tower_far_left"}}) {
+  const char* exercise = "ring_tower_transfer";
+  for (const Approach& approach :
+       {Approach{"near", {-0.018, 0.014, 0.020}, {0, 1, 0}, "tower_near_left", Arm::kGold, exercise},
+        Approach{"far", {0.020, 0.006, 0.020}, {0, 1, 0}, "tower_far_left", Arm::kGold, exercise}}) {
+    const TrainerConfig config = configOf(approach, 1);
     const double surface = distance(config, approach);
     ASSERT_GT(surface, 0.0) << approach.name;
     EXPECT_FALSE(touch(config, approach, kSlow, surface + kBehind).broke) << approach.name;
