@@ -220,3 +220,12 @@ def test_what_is_no_campaign_is_refused(tmp_path):
         wrong.write_text(text)
         code, said, _ = report(tmp_path, "--explained", str(wrong))
         assert code == 1 and "is not a mapping" in said
+
+
+def test_a_shard_may_hold_those_runs_of_a_scenario_that_are_masked_alone(tmp_path):
+    write(tmp_path, [scenario("a", 0, 6, ["masked", "estop"])],
+          [{"scenario": "a", "injection": 0, "outcome": "masked"}] * 3)
+    identity = json.loads((tmp_path / "campaign.json").read_text())
+    (tmp_path / "campaign.json").write_text(json.dumps(identity | {"shards": 2, "runs": 6}))
+    code, said, _ = report(tmp_path)
+    assert code == 0 and "every run masked" not in said

@@ -394,6 +394,28 @@ def kept_part(folder, name, split, length, success, seed):
     return dataset.Part(folder)
 
 
+def test_a_data_set_of_format_3_says_where_each_episode_lies(lerobot, tmp_path, monkeypatch):
+    """Two episodes fill a file."""
+    fake, lengths, out = lerobot.pyarrow, (7, 3, 5, 4, 6), tmp_path / "set"
+    monkeypatch.setattr(lerobot, "FILE_BYTES", 16)
+    monkeypatch.setattr(lerobot, "_tasks", lambda tasks: fake.table({"task": tasks}))
+    fake.concat_tables = lambda tables: fake.table(
+        {name: np.concatenate([np.asarray(each.columns[name]) for each in tables]) for name in tables[0].columns})
+    fake.Table = types.SimpleNamespace(
+        from_pylist=lambda rows: fake.table({name: [row[name] for row in rows] for name in rows[0]}))
+    parts = [kept_part(tmp_path / f"p{i}", f"s{i}", "nominal", length, True, i) for i, length in enumerate(lengths)]
+    lerobot.write(parts, out, FPS, dataset.Pictures((), (64, 64), ""), 2, "3.0")
+    info = json.loads((out / "meta/info.json").read_text())
+    found = json.loads((out / "meta/episodes/chunk-000/file-000.parquet").read_text())
+    assert found["length"] == list(lengths) and found["data/file_index"] == [0, 0, 1, 1, 2]
+    assert found["dataset_from_index"] == [0, 7, 10, 15, 19] and found["dataset_to_index"] == [7, 10, 15, 19, 25]
+    for number, (first, last) in enumerate(((0, 10), (10, 19), (19, 25))):
+        rows = json.loads((out / info["data_path"].format(chunk_index=0, file_index=number)).read_text())
+        assert rows["index"] == list(range(first, last))
+    action = np.concatenate([part.columns()["action"] for part in parts]).astype(float)
+    assert json.loads((out / "meta/stats.json").read_text())["action"]["mean"] == pytest.approx(action.mean(0))
+
+
 def test_a_lerobot_data_set_describes_its_episodes(lerobot, tmp_path):
     """Format 2.1, as the reader of lerobot 0.3.3 wants it: five episodes by three workers."""
     shape = [("nominal", 7, True), ("nominal", 3, False), ("failure", 5, False), ("failure", 4, False), ("recovery", 6, True)]

@@ -1,10 +1,13 @@
 """scripts/measure_drills: its figures from rows of its table, and its options. Runs no session."""
 import importlib.machinery
 import importlib.util
+import json
 import pathlib
 import subprocess
 import sys
+from types import SimpleNamespace
 
+import numpy as np
 import pytest
 import yaml
 
@@ -118,3 +121,41 @@ def test_a_table_is_not_mixed_from_two_configurations(config, tmp_path, argument
     arguments = [str(config) if argument == "CONFIG" else argument for argument in arguments]
     done = subprocess.run([SCRIPT, *arguments], capture_output=True, text=True, check=False, cwd=tmp_path)
     assert done.returncode == 2 and reason in done.stderr and not (tmp_path / "drills.csv").exists()
+
+
+def test_a_row_is_of_the_hazard_that_could_be_noticed_and_counts_from_its_injection(tmp_path):
+    unseen = {"scenario": "a", "injection_tick": 100, "verdict": "not_judged", "cue": None, "cue_after_ms": None,
+              "reaction": None}
+    felt = {"scenario": "b", "injection_tick": 1000, "verdict": "right", "cue": "force", "cue_after_ms": 12,
+            "reaction": {"response": "pedal_up", "after_ms": 410}}
+    (tmp_path / "score.json").write_text(json.dumps({"hazards": [unseen, felt]}))
+    commands = np.zeros(3000, [("tick", int), ("command", [("sequence", int)])])
+    model = np.zeros(3000, [("tick", int), ("session_tick", int)])
+    commands["tick"] = model["tick"] = 50 + np.arange(3000)  # homing took 50 ms
+    commands["command"]["sequence"], model["session_tick"] = 7 + np.arange(3000), np.arange(3000)
+    session = SimpleNamespace(directory=tmp_path, log=SimpleNamespace(commands=commands, ticks={"model": model}))
+    assert measure_drills.of_hazard(session, {"felt": 1019, "pedal_up": 1417}) == {
+        "scenario": "b", "verdict": "right", "cue": "force", "cue_after_ms": 12, "answer": "pedal_up",
+        "answer_after_ms": 410, "felt_after_ms": 12, "let_go_after_ms": 410, "injection_ms": 1000}
+    assert measure_drills.of_hazard(session, {"felt": 900})["felt_after_ms"] is None, "before the injection"
+
+
+def test_a_hazard_that_did_not_come_is_no_row_of_the_scenarios(capsys):
+    measure_drills.print_scenarios([{"scenario": "a", "verdict": "right", "cue": "force"},
+                                    {"scenario": "a", "verdict": "not_judged", "cue": ""},
+                                    {"scenario": "", "verdict": "did_not_come", "cue": ""}])
+    assert capsys.readouterr().out.splitlines()[2:] == ["| `a` | 1 of 2, 50.0 % |"]
+
+
+def test_the_first_session_says_when_the_next_ones_end(monkeypatch, tmp_path):
+    asked = []
+
+    def run(key, seconds, _config):
+        asked.append(seconds)
+        return {**dict(zip(measure_drills.KEY, key)), "verdict": "right", "injection_ms": 8000, "cue_after_ms": 1500}
+
+    monkeypatch.setattr(measure_drills, "run", run)
+    keys = [("x", "expert", "own", reaction, "1") for reaction in ("none", "250")]
+    bar = SimpleNamespace(step=lambda text: None)
+    measure_drills.run_seed(keys, None, None, measure_drills.Table(tmp_path / "drills.csv"), bar, [])
+    assert asked == [None, pytest.approx(17.5)], "8 s behind the cue"

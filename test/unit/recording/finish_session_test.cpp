@@ -3,6 +3,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -136,6 +137,52 @@ TEST_F(FinishSession, ABandOfItsOwnJudges) {
   const std::string text = describe(scored);
   EXPECT_NE(text.find("attempt 1: running, not passed"), std::string::npos) << text;
   EXPECT_NE(text.find("<= 11.0000: passed"), std::string::npos) << text;
+}
+
+TEST(DescribeScore, AHazardsTimeIsInSecondsAndTheReactionInMilliseconds) {
+  training::HazardScore hazard;
+  hazard.scenario = "sudden_jump";
+  hazard.injection = 8123;
+  hazard.response.verdict = training::Verdict::kLate;
+  hazard.response.first = {training::Response::kSlow, 450};
+  hazard.response.reaction = {training::Response::kPedalUp, 2450};
+  ScoredSession scored;
+  scored.score.hazards.push_back(hazard);
+  EXPECT_EQ(describe(scored), "hazard sudden_jump at 8.123 s: late, pedal_up after 2450 ms\n");
+}
+
+TEST(DescribeScore, OfALongCurveTheNewestTwentyAttemptsAreShown) {
+  ScoredSession scored;
+  scored.trainee = "ann";
+  for (int i = 0; i < 25; ++i) {
+    training::IndexAttempt attempt;
+    attempt.status = "done";
+    attempt.metrics["time"] = 100.0 + i;
+    training::IndexEntry entry;
+    entry.attempts.push_back(attempt);
+    scored.history.push_back(entry);
+  }
+  const std::string text = describe(scored);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 2 + 20) << text;
+  EXPECT_EQ(text.find("104.00"), std::string::npos) << text;
+  EXPECT_NE(text.find("105.00"), std::string::npos) << text;
+  EXPECT_NE(text.find("124.00"), std::string::npos) << text;
+}
+
+TEST(DescribeScore, ALimitIsSaidForTheSideThatPasses) {
+  for (const auto& [better, said] : {std::pair(Better::kLower, "<= -9.0000: "), {Better::kHigher, ">= -9.0000: "}}) {
+    training::MetricScore metric;
+    metric.metric.name = "sparc";
+    metric.metric.unit = "-";
+    metric.metric.better = better;
+    metric.metric.value = -8.0;
+    metric.is_judged = true;
+    metric.judgement.limit = -9.0;
+    ScoredSession scored;
+    scored.score.attempts.resize(1);
+    scored.score.attempts[0].metrics.push_back(metric);
+    EXPECT_NE(describe(scored).find(said), std::string::npos) << describe(scored);
+  }
 }
 
 }  // namespace

@@ -81,5 +81,32 @@ TEST(TimingReport, HasTheCountsAndTheVerdictForPrograms) {
   EXPECT_EQ(json.at("pass"), true);
 }
 
+TEST(TimingReport, EachFigureIsItsOwn) {
+  LoopTiming loop = timing(2000, 0), bare = timing(1000, 1);
+  loop.wake_up.add(5'000);
+  loop.run.add(100'000);
+  loop.run.add(300'000);
+  loop.max_late_ns = 7'000;
+  loop.max_run_ns = 350'000;
+  loop.minor_faults = 3;
+  loop.major_faults = 4;
+  loop.time_slips = 5;
+  bare.max_late_ns = 9'000;
+  bare.longest_late_run = 2;
+  const auto json = timingJson(loop, bare);
+  EXPECT_DOUBLE_EQ(json.at("wake_up").at("max_us").get<double>(), 7.0);
+  EXPECT_EQ(json.at("wake_up").at("buckets_upto_us").size(), 1U);
+  EXPECT_DOUBLE_EQ(json.at("run").at("max_us").get<double>(), 350.0);
+  EXPECT_EQ(json.at("run").at("buckets_upto_us").size(), 2U);
+  EXPECT_DOUBLE_EQ(json.at("calibration").at("wake_up").at("max_us").get<double>(), 9.0);
+  EXPECT_EQ(json.at("calibration").at("longest_late_run"), 2);
+  EXPECT_EQ(json.at("minor_faults"), 3);
+  EXPECT_EQ(json.at("major_faults"), 4);
+  EXPECT_EQ(json.at("time_slips"), 5);
+  const std::string text = timingText("physics", loop, bare);
+  for (const char* most : {"max      7.0 us\n", "max    350.0 us\n", "max      9.0 us\n"})
+    EXPECT_NE(text.find(most), std::string::npos) << text;
+}
+
 }  // namespace
 }  // namespace raven2_trainer::recording

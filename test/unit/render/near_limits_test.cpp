@@ -117,5 +117,24 @@ TEST_F(NearLimits, WhatIsNotFiniteHasNoLimit) {
   EXPECT_FALSE(limits()[0].is_wall) << "the tip's position is unknown";
 }
 
+TEST_F(NearLimits, EachArmsWallStandsBeforeItsOwnTip) {
+  X_WB_[0].p = {-0.4, 0.5, 0.6};
+  for (const Arm arm : kArms) {
+    JointArray& q = at(snapshot_.model.arms, arm).q;
+    q[kInsertion] = 0.555;
+    JointArray there = q;
+    there[kInsertion] = 0.56;
+    const Vector3 tip_W = at(X_WB_, arm) * kinematics::forward(geometry_, arm, q).p;
+    const Vector3 stopped_W = at(X_WB_, arm) * kinematics::forward(geometry_, arm, there).p;
+    ASSERT_EQ(limits().size(), 1U) << name(arm);
+    const NearLimit limit = limits()[0];
+    EXPECT_EQ(limit.arm, arm);
+    ASSERT_TRUE(limit.is_wall);
+    EXPECT_LT((limit.p_W - stopped_W).norm(), 1e-9) << name(arm);
+    EXPECT_LT((limit.along_W - (stopped_W - tip_W).normalized()).norm(), 1e-6) << name(arm);
+    q[kInsertion] = 0.40;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::render

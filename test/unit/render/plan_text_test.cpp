@@ -148,5 +148,23 @@ TEST(PathError, IsTheFartherTipsDistanceFromWhereTheDesiredJointsPutIt) {
   EXPECT_EQ(pathError(packagedGeometry(), executing), 0.0);
 }
 
+TEST(PathError, IsThatOfThePlansArm) {
+  const ArmGeometry& geometry = packagedGeometry();
+  for (const Arm arm : kArms) {
+    Snapshot executing;
+    setPlan(makePlan(geometry, arm), PlanningStatus::kExecuting, &executing);
+    for (const Arm each : kArms) {
+      at(executing.model.arms, each).q_d = geometry.home;
+      at(executing.model.arms, each).p_BT = at(executing.robot.arms, each).p_BT = {9.0, 9.0, 9.0};
+    }
+    const Vector3 path_B = kinematics::forward(geometry, arm, geometry.home).p;
+    at(executing.model.arms, arm).p_BT = toArray(path_B + Vector3(0.0003, 0.0, -0.0004));  // 0.5 mm
+    at(executing.robot.arms, arm).p_BT = toArray(path_B + Vector3(0.0, 0.0005, 0.0012));   // 1.3 mm
+    EXPECT_NEAR(pathError(geometry, executing), 0.0005, 1e-12) << name(arm);
+    executing.model.planning.on_robot = 1;
+    EXPECT_NEAR(pathError(geometry, executing), 0.0013, 1e-12) << name(arm);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::render
