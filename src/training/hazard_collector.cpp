@@ -70,24 +70,56 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
   addHidden(metrics);
 }
 
+namespace {
+
+/** Whether an event of that fault was under way when it began. */
+bool hasEvent(const std::vector<FaultEvent>& events, const Injection& injection) {
+  const Tick begin = injection.inject_tick;
+  const auto has_begun = [&](const FaultEvent& event) { return event.first_tick - kEarly <= begin; };
+  auto event = std::partition_point(events.begin(), events.end(), has_begun);
+  for (int i = 0; i < 2 && event != events.begin(); ++i) {  // one ends where the next begins: no third can be on
+    --event;
+    if (event->name == injection.name && (event->end_tick < 0 || begin <= event->end_tick)) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
 /** Of scenarios that act at the same time one has the events. The others are to be answered, too. */
 void HazardCollector::addHidden(const SessionMetrics& metrics) {
+  const auto events = static_cast<std::ptrdiff_t>(coming_.size());
   for (const Injection& injection : metrics.injections) {
-    const Tick begin = injection.inject_tick;
-    const auto has_it = [&](const Hazard& hazard) {
-      return hazard.scenario == injection.name && begin >= hazard.begin - kEarly &&
-             (hazard.end < 0 || begin <= hazard.end);
-    };
-    if (begin < 0 || std::any_of(coming_.begin(), coming_.end(), has_it)) continue;
-    if (coming_.size() >= kMaxHazards) {
-      ++beyond_;
-      continue;
-    }
-    const bool is_robots = injection.fault.host == FaultHost::kRobot && !injection.is_merged;
-    coming_.push_back({injection.name, begin, injection.clear_tick < 0 ? -1 : injection.clear_tick + kHiddenAftermath,
-                       is_robots ? injection.inject_cycle : 0});
+    if (injection.inject_tick >= 0 && !hasEvent(metrics.faults, injection)) addHidden(injection, events);
   }
   std::stable_sort(coming_.begin(), coming_.end(), [](const Hazard& a, const Hazard& b) { return a.begin < b.begin; });
+}
+
+/** A fault that outlasts the other one has an event later, which is its own. Rows and pulses of one are one hazard. */
+void HazardCollector::addHidden(const Injection& injection, std::ptrdiff_t events) {
+  const Tick begin = injection.inject_tick, clear = injection.clear_tick;
+  const Tick end = clear < 0 ? -1 : clear + kHiddenAftermath;
+  const bool is_robots = injection.fault.host == FaultHost::kRobot && !injection.is_merged;
+  const Hazard hidden{injection.name, begin, end, is_robots ? injection.inject_cycle : 0};
+  const auto is_later = [&](const Hazard& hazard) {
+    return hazard.scenario == injection.name && hazard.begin > begin && (clear < 0 || hazard.begin <= clear);
+  };
+  const auto goes_on = [&](const Hazard& hazard) {
+    return hazard.scenario == injection.name && begin >= hazard.begin && (hazard.end < 0 || begin <= hazard.end);
+  };
+  const auto own = coming_.begin() + events;
+  const auto later = std::find_if(coming_.begin(), own, is_later);
+  const auto former = std::find_if(own, coming_.end(), goes_on);
+  if (later != own) {
+    later->begin = begin;
+    later->cycle = hidden.cycle;
+  } else if (former != coming_.end()) {
+    former->end = end < 0 || former->end < 0 ? -1 : std::max(former->end, end);
+  } else if (coming_.size() < kMaxHazards) {
+    coming_.push_back(hidden);
+  } else {
+    ++beyond_;
+  }
 }
 
 /** A virtual Raven reports the first cycle of its faults, and the daemon receives it later. The cycles of a merged

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -45,6 +46,7 @@ class HazardCollector {
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
   void addHidden(const SessionMetrics& metrics);
+  void addHidden(const Injection& injection, std::ptrdiff_t events);
   void watchClutch(const ModelState& model);
   bool mayAnswer(Tick now) const;
   void openWindows(Tick now);

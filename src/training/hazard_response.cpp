@@ -367,9 +367,10 @@ bool isFinal(const HazardWindow& window,
   return isSameIfProlonged(window, rule, explained, result);
 }
 
-/** The log does not show the hands in a pause: nothing behind it answers the hazard. */
+/** The log does not show the hands in a pause: nothing behind it answers the hazard. A hazard that began in a pause is
+ *  all behind it. */
 HazardWindow untilPause(HazardWindow window) {
-  const auto from = window.samples.begin() + static_cast<std::ptrdiff_t>(window.injection);
+  const auto from = window.samples.begin() + static_cast<std::ptrdiff_t>(window.injection) + 1;
   const auto pause =
       std::find_if(from, window.samples.end(), [](const HandSample& sample) { return sample.paused != 0; });
   if (pause != window.samples.end()) window.samples.erase(pause + 1, window.samples.end());

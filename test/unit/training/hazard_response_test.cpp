@@ -848,6 +848,8 @@ TEST(HazardResponse, APauseEndsWhatIsKnown) {
   liftPedal(&window, 437, 2600);
   sampleAt(&window, 3000).paused = 1;
   EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "the answer was over";
+  sampleAt(&window, 0).paused = 1;
+  EXPECT_EQ(judge(window).verdict, Verdict::kRight) << "the hazard began in that pause";
   sampleAt(&window, 1000).paused = 1;
   EXPECT_EQ(judge(window).verdict, Verdict::kNotJudged);
 }

@@ -851,24 +851,64 @@ FaultChangeRecord changeOf(const TickRecord& record, std::uint32_t id, bool acts
   return change;
 }
 
-TEST_F(SessionScoreTest, AHazardInTheMidstOfAnotherIsJudgedToo) {
-  session::LogHeader header = makeHeader();
-  header.scenarios = {"friction", "sudden_jump"};
-  begin(header);
+/** friction acts from 500 to `first_end`, sudden_jump from kInjection on for 400 ms. A gap is seen from `gap` on. */
+void writeTwo(session::LogWriter* writer, Tick first_end, Tick gap, bool has_rows) {
   for (Tick k = 0; k < 9000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     record.robot.connected = 1;
-    if (k >= kInjection && k < kInjection + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
-    record.model.pedal = k >= kInjection + 350 && k < kInjection + 2450 ? 0 : 1;
-    if (k == 500) writer_->write(changeOf(record, 1, true));
-    if (k == kInjection || k == kInjection + 400) writer_->write(changeOf(record, 2, k == kInjection));
-    writer_->write(record);
+    if (k >= gap && k < gap + 400) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+    record.model.pedal = k >= gap + 350 && k < gap + 2450 ? 0 : 1;
+    if (k == 500 || k == first_end) writer->write(changeOf(record, 1, k == 500));
+    if (k == kInjection || k == kInjection + (has_rows ? 100 : 400))
+      writer->write(changeOf(record, 2, k == kInjection));
+    if (has_rows && (k == kInjection + 200 || k == kInjection + 1500)) {
+      FaultChangeRecord change = changeOf(record, 2, k == kInjection + 200);
+      change.change.row = 1;
+      writer->write(change);
+    }
+    writer->write(record);
   }
+}
+
+TEST_F(SessionScoreTest, AHazardInTheMidstOfAnotherIsJudgedToo) {
+  session::LogHeader header = makeHeader();
+  header.scenarios = {"friction", "sudden_jump"};
+  for (const Tick first_end : {Tick{20'000}, kInjection + 200}) {  // or it outlasts the other one
+    begin(header);
+    writeTwo(writer_.get(), first_end, kInjection, /*has_rows=*/false);
+    const std::vector<HazardScore> hazards = finish().hazards;
+    ASSERT_EQ(hazards.size(), 2U) << first_end;
+    EXPECT_EQ(hazards[1].scenario, "sudden_jump");
+    EXPECT_EQ(hazards[1].injection, kInjection);
+    EXPECT_EQ(hazards[1].response.verdict, Verdict::kRight);
+  }
+}
+
+TEST_F(SessionScoreTest, TheRowsOfAHazardInTheMidstOfAnotherAreOneHazard) {
+  session::LogHeader header = makeHeader();
+  header.scenarios = {"friction", "sudden_jump"};
+  begin(header);
+  writeTwo(writer_.get(), 20'000, kInjection + 800, /*has_rows=*/true);
   const std::vector<HazardScore> hazards = finish().hazards;
   ASSERT_EQ(hazards.size(), 2U);
-  EXPECT_EQ(hazards[1].scenario, "sudden_jump");
-  EXPECT_EQ(hazards[1].injection, kInjection);
+  EXPECT_EQ(hazards[1].response.cue_after, 800 + kNoticed);
   EXPECT_EQ(hazards[1].response.verdict, Verdict::kRight);
+}
+
+TEST_F(SessionScoreTest, FaultsBeyondThoseThatAreJudgedAreCountedOnce) {
+  session::LogHeader header = makeHeader();
+  header.scenarios = {"friction", "sudden_jump"};
+  begin(header);
+  for (Tick k = 0; k < 1005 * 10; ++k) {  // one after the other, 10 ms each
+    const TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    const std::uint32_t id = 1 + static_cast<std::uint32_t>(k / 10) % 2;
+    if (k % 10 == 0 && k > 0) writer_->write(changeOf(record, 3 - id, false));
+    if (k % 10 == 0) writer_->write(changeOf(record, id, true));
+    writer_->write(record);
+  }
+  const SessionScore score = finish();
+  EXPECT_EQ(score.hazards.size(), kMaxHazards);
+  EXPECT_EQ(score.hazards_beyond, 5U);
 }
 
 TEST_F(SessionScoreTest, WhatIsDoneInAPauseIsUnknown) {
