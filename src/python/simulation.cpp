@@ -362,13 +362,15 @@ Pose Simulation::led(Arm arm) const {
 }
 
 /** Toward the pose of the joints, so that what was rounded before counts. An arm that is so far behind that it refuses
- *  its set points must catch up first: more motion would lead it astray. A pose that does not come nearer asks for more
- *  in each tick that is left: at most for what a packet may carry. */
+ *  its set points must catch up first: motion farther away would lead it astray. A pose that does not come nearer asks
+ *  for more in each tick that is left: at most for what a packet may carry. */
 void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const {
-  const auto status = static_cast<kinematics::IkStatus>(at(view().model.arms, arm).ik_status);
-  if (!kinematics::isUsable(status)) return;
+  const ArmState& state = at(view().model.arms, arm);
   const Pose now = led(arm);
   const Pose goal = kinematics::forward(config_.arms.geometry, arm, joints);
+  const Vector3 tip = kinematics::forward(config_.arms.geometry, arm, state.q).p;
+  const bool leads_away = (goal.p - now.p).dot(now.p - tip) >= 0.0;
+  if (leads_away && !kinematics::isUsable(static_cast<kinematics::IkStatus>(state.ik_status))) return;
   const Matrix3 B_to_I = control::itpToBase(arm).transpose();
   const Eigen::AngleAxisd turn(Matrix3(goal.R * now.R.transpose()));
   Vector3 move_I = B_to_I * (goal.p - now.p) / left;

@@ -1115,3 +1115,17 @@ def test_a_start_may_take_as_long_as_its_limit():
 def test_a_key_that_is_no_text_is_refused():
     with raven2_trainer.Simulation(robot="none") as simulation, pytest.raises(ValueError, match="no text"):
         simulation.step({"\ud800": {}})
+
+
+def test_an_arm_that_was_led_into_the_plate_can_be_led_back_by_joints():
+    with raven2_trainer.Simulation(exercise="pick_hand_over_place", robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=50)
+        before = simulation.state.desired_joints[0].copy()
+        simulation.step({"gold": {"joints": before - [0, 0, 0.1, 0, 0, 0, 0]}}, ticks=2000)
+        simulation.step(ticks=500)
+        lag = simulation.state.joints[0] - simulation.state.desired_joints[0]
+        assert lag[2] > 0.01, "[m] held up by the plate"
+        simulation.step({"gold": {"joints": before}}, ticks=2000)
+        assert simulation.state.desired_joints[0] == pytest.approx(before, abs=2e-3)
+        assert simulation.state.mode == "teleoperating"
