@@ -54,8 +54,8 @@ bool CommandGuard::check(const PerArm<ArmCommand>& commands, bool engaged, bool 
     const DacArray& dac = *at(commands, arm).dac;
     if (isSafe(dac, verdict)) at(safe_, arm) = dac;
   }
-  if (verdict.alarm) ++report_.cycles_acted;
   stopped_ = (stopped_ && soft_estopped) || (verdict.alarm && mitigate_ == Mitigation::kStop);
+  if (verdict.alarm || stopped_) ++report_.cycles_acted;
   for (const Arm arm : kArms) {
     if (stopped_ || at(verdict.alarms, arm)) replace(at(commands, arm), stopped_ ? DacArray{} : at(safe_, arm));
   }

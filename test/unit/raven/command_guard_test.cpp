@@ -186,6 +186,8 @@ TEST_P(Guarded, StopKeepsBothBoardsAtZeroThoughTheFaultGoesOn) {
     for (const UsbOut& out : bench.out)
       ASSERT_EQ(out.dac, (std::array<std::int16_t, kChannels>{})) << k;
   }
+  EXPECT_EQ(bench.software.detectorReport().alarms, 1U);
+  EXPECT_EQ(bench.software.detectorReport().cycles_acted, 100U);
 }
 
 TEST_P(Guarded, ALaterStopWithoutAnAlarmIsNotTheGuards) {
