@@ -66,7 +66,7 @@ void keepToLoopback(const std::string& host) {
 
 bool isLoopbackOnly() {
   const std::string ip = environment("ROS_IP");
-  return environment("ROS_HOSTNAME") == "localhost" || ip == "localhost" || startsWith(ip, "127.");
+  return environment("ROS_HOSTNAME") == "localhost" || startsWith(ip, "127.");
 }
 
 bool mayCommand(bool enable_remote_control) {

@@ -1,7 +1,9 @@
 #include "ros/node/exposure.h"
 
 #include <gtest/gtest.h>
+#include <ros/transport/transport.h>
 #include <unistd.h>
+#include <cstdint>
 
 #include <array>
 #include <cstdlib>
@@ -41,11 +43,11 @@ class Exposure : public ::testing::Test {
 
 /** roscpp's own rule (libros/transport/transport.cpp): an address served to the network must not count as local. */
 TEST_F(Exposure, OnlyRoscppsLoopbackAddressesAreLocal) {
-  for (const char* local : {"127.0.0.1", "127.1.2.3", "localhost"}) {
+  for (const char* local : {"127.0.0.1", "127.1.2.3"}) {
     set("ROS_IP", local);
     EXPECT_TRUE(isLoopbackOnly()) << local;
   }
-  for (const char* remote : {"", "1270.0.0.1", "128.0.0.1", "10.127.0.1", "10.0.127.1", "127", "12.7.0.0",
+  for (const char* remote : {"", "1270.0.0.1", "128.0.0.1", "10.127.0.1", "10.0.127.1", "127", "12.7.0.0", "localhost",
                              "localhost.lan", "my127.0.0.1", "0.0.0.0", "192.168.1.7"}) {
     set("ROS_IP", remote);
     EXPECT_FALSE(isLoopbackOnly()) << remote;
@@ -113,6 +115,33 @@ TEST_F(Exposure, TheMasterIsThatOfTheArgumentThenOfTheEnvironmentThenLocal) {
   set("ROS_MASTER_URI", "http://robot:11311");
   EXPECT_EQ(masterUriOf({"--duration", "3"}), "http://robot:11311");
   EXPECT_EQ(masterUriOf({"x:=y", "__master:=http://other:1"}), "http://other:1");
+}
+
+/** The rule itself, of the roscpp that is installed. */
+struct RoscppsRule : ros::Transport {
+  std::int32_t read(std::uint8_t*, std::uint32_t) override { return 0; }
+  std::int32_t write(std::uint8_t*, std::uint32_t) override { return 0; }
+  void enableWrite() override {}
+  void disableWrite() override {}
+  void enableRead() override {}
+  void disableRead() override {}
+  void close() override {}
+  const char* getType() override { return ""; }
+  std::string getTransportInfo() override { return ""; }
+  bool isLocal() const { return isOnlyLocalhostAllowed(); }
+};
+
+TEST_F(Exposure, NothingCountsAsLocalThatRoscppServesToTheNetwork) {
+  for (const char* name : {"ROS_IP", "ROS_HOSTNAME"}) {
+    for (const char* value : {"localhost", "127.0.0.1", "127.1.2.3", "127", "::1", "10.0.0.1", "localhost.lan", ""}) {
+      unsetenv("ROS_IP");
+      unsetenv("ROS_HOSTNAME");
+      set(name, value);
+      if (isLoopbackOnly()) {
+        EXPECT_TRUE(RoscppsRule().isLocal()) << name << "=" << value;
+      }
+    }
+  }
 }
 
 }  // namespace
