@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <regex>
 
 namespace raven2_trainer::model {
 
@@ -24,13 +23,33 @@ std::string meshPath(const std::string& urdf, const std::string& name) {
   return (folder / (is_ours ? name.substr(kPackage.size()) : name)).lexically_normal().string();
 }
 
+namespace {
+
+/** Values of all attributes `filename`, also in comments. std::regex would recurse for each character of a value. */
+std::vector<std::string> fileNames(const std::string& text) {
+  const std::string attribute = "filename", blank = " \t\r\n";
+  constexpr auto kNone = std::string::npos;
+  std::vector<std::string> names;
+  for (std::size_t at = text.find(attribute); at != kNone; at = text.find(attribute, at + 1)) {
+    const std::size_t equals = text.find_first_not_of(blank, at + attribute.size());
+    if (equals == kNone || text[equals] != '=') continue;
+    const std::size_t quote = text.find_first_not_of(blank, equals + 1);
+    if (quote == kNone || (text[quote] != '"' && text[quote] != '\'')) continue;
+    const std::size_t end = text.find_first_of("\"'", quote + 1);
+    if (end == kNone) break;
+    names.push_back(text.substr(quote + 1, end - quote - 1));
+  }
+  return names;
+}
+
+}  // namespace
+
 std::vector<std::string> meshFiles(const std::string& urdf) {
   std::ifstream in(urdf);
   const std::string text{std::istreambuf_iterator<char>(in), std::istreambuf_iterator<char>()};
-  const std::regex attribute(R"re(filename\s*=\s*["']([^"']*)["'])re");
   std::vector<std::string> files;
-  for (std::sregex_iterator match(text.begin(), text.end(), attribute), end; match != end; ++match) {
-    const std::string path = meshPath(urdf, (*match)[1]);
+  for (const std::string& name : fileNames(text)) {
+    const std::string path = meshPath(urdf, name);
     std::error_code error;
     const bool is_new = std::find(files.begin(), files.end(), path) == files.end();
     if (is_new && fs::is_regular_file(path, error)) files.push_back(path);

@@ -75,17 +75,20 @@ std::unique_ptr<const wire::ItpKey> loadKey(const NetworkConfig& network) {
 }
 
 void writeKeyFile(const std::string& path) {
+  if (sodium_init() < 0) refuse(path, "the system gives no random numbers");
   const net::FileDescriptor fd(::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600));
   if (!fd.isOpen()) refuse(path, std::string("cannot be made: ") + std::strerror(errno));
-  if (sodium_init() < 0) refuse(path, "the system gives no random numbers");
   Wiped<wire::ItpKey::kSize> key;
   Wiped<kDigits + 1> text;
   randombytes_buf(key.bytes.data(), key.bytes.size());
   sodium_bin2hex(reinterpret_cast<char*>(text.bytes.data()), text.bytes.size(), key.bytes.data(), key.bytes.size());
   text.bytes[kDigits] = '\n';
-  const bool written =
-      ::write(fd.get(), text.bytes.data(), text.bytes.size()) == static_cast<ssize_t>(text.bytes.size());
-  if (!written || ::fsync(fd.get()) != 0) refuse(path, std::string("cannot be written: ") + std::strerror(errno));
+  const ssize_t size = ::write(fd.get(), text.bytes.data(), text.bytes.size());
+  const bool is_whole = size == static_cast<ssize_t>(text.bytes.size());
+  if (is_whole && ::fsync(fd.get()) == 0) return;
+  const std::string why = size >= 0 && !is_whole ? "no room for all of it" : std::strerror(errno);
+  ::unlink(path.c_str());  // else the next attempt would find it
+  refuse(path, "cannot be written: " + why);
 }
 
 wire::Nonce freshNonce() noexcept {

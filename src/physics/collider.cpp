@@ -337,6 +337,8 @@ void Collider::save(SceneSnapshot* snapshot) const noexcept {
 }
 
 void Collider::restore(const SceneSnapshot& snapshot) noexcept {
+  counts_ = {};
+  obstructed_ = {};
   found_.clear();
   forces_.restore(snapshot);
   parked_.restore(snapshot);

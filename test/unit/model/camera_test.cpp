@@ -197,5 +197,19 @@ TEST(CameraByName, IsFoundOrTheKnownOnesAreTold) {
   }
 }
 
+TEST(Camera, UpAlongTheViewGivesARotationWhicheverWayItLooks) {
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    for (const double side : {-1.0, 1.0}) {
+      CameraConfig config;
+      config.target_W[axis] = side;
+      config.up_W[axis] = 1.0;
+      config.vertical_fov = 1.0;
+      const Camera camera = makeCamera(config, 100, 100);
+      EXPECT_NEAR(camera.X_WC.R.determinant(), 1.0, 1e-12) << axis << " " << side;
+      EXPECT_LT((camera.X_WC.R.col(2) - toEigen(config.target_W)).norm(), 1e-12) << axis << " " << side;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::model

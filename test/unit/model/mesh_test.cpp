@@ -135,5 +135,13 @@ TEST(Mesh, TruncatedStlDoesNotCrash) {
   }
 }
 
+TEST(Mesh, TheEndingOfItsNameMayBeInCapitals) {
+  const Scratch scratch;
+  EXPECT_EQ(loadMesh(scratch.write("CUBE.OBJ", kCube), {1, 1, 1}).triangles.size(), 12U);
+  const std::string jaw = readFile(sourceFile("meshes/jaw.stl"));
+  EXPECT_EQ(loadMesh(scratch.write("JAW.STL", jaw), {1, 1, 1}).triangles.size(),
+            loadMesh(scratch.write("jaw.stl", jaw), {1, 1, 1}).triangles.size());
+}
+
 }  // namespace
 }  // namespace raven2_trainer::model

@@ -459,5 +459,29 @@ TEST(SceneModelErrors, TooManyFreeBodiesAndMechanismsAreRefused) {
   }
 }
 
+TEST(MeshFiles, OfANameAsLongAsTheFileAreNone) {
+  const Scratch scratch;
+  const std::string name(1U << 20U, 'a');
+  const std::string urdf = scratch.write("two.urdf", "<robot name=\"r\"><!-- filename=\"" + name + "\" --></robot>");
+  EXPECT_TRUE(meshFiles(urdf).empty());
+}
+
+TEST(UrdfErrors, WhatHasNoMaterialIsOpaqueGreyWhateverCameBefore) {
+  const Scratch scratch;
+  const std::string bare = R"(<visual><geometry><sphere radius="0.1"/></geometry></visual>)";
+  const std::string text =
+      replaced(replaced(kGood, "    <visual>", bare + "<visual>"), "    <collision>", bare + "<collision>");
+  const Description two = loadUrdf(scratch.write("two.urdf", text));
+  const std::vector<VisualShape>& shapes = two.links[1].visuals;
+  ASSERT_EQ(shapes.size(), 3U);
+  EXPECT_EQ(shapes[1].colour, (std::array<float, 4>{1, 0, 0, 1}));
+  for (const std::size_t i : {0U, 2U}) {  // before and after the red one
+    const std::array<float, 4>& colour = shapes[i].colour;
+    EXPECT_TRUE(colour[0] == colour[1] && colour[1] == colour[2]) << i;
+    EXPECT_TRUE(colour[0] > 0.2F && colour[0] < 0.9F) << i << ": it can be seen on black and on white";
+    EXPECT_EQ(colour[3], 1.0F) << i;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::model

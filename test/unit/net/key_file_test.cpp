@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
+#include <csignal>
 
 #include <filesystem>
 #include <fstream>
@@ -118,6 +120,43 @@ TEST_F(KeyFile, ANewKeyIsReadableByItsOwnerOnlyAndNeverOverwritten) {
 
 TEST(FreshNonce, IsFresh) {
   EXPECT_NE(freshNonce(), freshNonce());
+}
+
+/** As on a full disk. */
+TEST_F(KeyFile, OneThatCannotBeWrittenWholeIsNotLeftBehind) {
+  rlimit before{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit ten_bytes{10, before.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &ten_bytes), 0);
+  std::string said;  // nothing may be printed before the limit is lifted
+  try {
+    writeKeyFile(path_);
+  } catch (const ConfigException& e) {
+    said = e.what();
+  }
+  ::setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_NE(said.find("cannot be written"), std::string::npos) << said;
+  EXPECT_EQ(said.find("Success"), std::string::npos) << said;
+  EXPECT_FALSE(fs::exists(path_));
+  EXPECT_NO_THROW(writeKeyFile(path_));
+}
+
+TEST_F(KeyFile, ALinkToAGoodKeyIsNone) {
+  write(kDigits, 0600);
+  const std::string other = path_ + "_other";
+  fs::rename(path_, other);
+  fs::create_symlink(other, path_);
+  EXPECT_NE(message().find("cannot be opened"), std::string::npos) << message();
+  fs::remove(other);
+}
+
+TEST_F(KeyFile, APipeInTheKeysPlaceHoldsNobodyUp) {
+  ASSERT_EQ(::mkfifo(path_.c_str(), 0600), 0);
+  ::alarm(20);  // ends a program that waits for a writer
+  EXPECT_NE(message().find("no regular file"), std::string::npos) << message();
+  ::alarm(0);
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <sys/socket.h>
+#include <algorithm>
+#include <fstream>
 
 #include <array>
 #include <optional>
@@ -101,6 +104,21 @@ TEST(StreamSocket, TellsThatAConnectionCouldNotBeMadeOrIsGone) {
   ASSERT_TRUE(pair.far);
   pair.far.reset();
   EXPECT_TRUE(eventually([&] { return pair.near.send(&byte, 1).result == Result::kError; }));
+}
+
+/** 4 MiB, or as much as the system grants: a stall of seconds loses nothing that the link itself does not lose. */
+TEST(UdpSocket, HasRoomForAStall) {
+  std::ifstream file("/proc/sys/net/core/rmem_max");
+  int most = 0;
+  if (!(file >> most)) GTEST_SKIP() << "the system does not say what it grants";
+  const UdpSocket bound = UdpSocket::bound(kLoopback, 0);
+  const UdpSocket connected = UdpSocket::connected({INADDR_LOOPBACK, bound.port()});
+  for (const UdpSocket* each : {&bound, &connected}) {
+    int bytes = 0;
+    socklen_t size = sizeof(bytes);
+    ASSERT_EQ(::getsockopt(each->fd(), SOL_SOCKET, SO_RCVBUF, &bytes, &size), 0);
+    EXPECT_GE(bytes, 2 * std::min(4 << 20, most)) << "Linux reports twice what was asked for";
+  }
 }
 
 }  // namespace

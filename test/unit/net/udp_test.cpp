@@ -266,5 +266,20 @@ TEST(Udp, ALaterPinTakesThePlaceOfTheOneBefore) {
   }
 }
 
+/** Of sockets that share a port, the one that was bound last gets the datagrams. */
+TEST(Udp, NobodyElseGetsItsPortHoweverItAsks) {
+  UdpReceiver receiver(kLoopback, 0);
+  for (const std::uint32_t address : {INADDR_LOOPBACK, INADDR_ANY}) {
+    const FileDescriptor other(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
+    const int on = 1;
+    ASSERT_EQ(::setsockopt(other.get(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on)), 0);
+    sockaddr_in name{};
+    name.sin_family = AF_INET;
+    name.sin_addr.s_addr = htonl(address);
+    name.sin_port = htons(receiver.port());
+    EXPECT_NE(::bind(other.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)), 0) << address;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::net

@@ -148,5 +148,23 @@ TEST(ParkedContacts, GoWithTheBodyThatIsWokenWhicheverOfTheTwoItIs) {
   }
 }
 
+TEST(ParkedContacts, WithoutRoomInTheListAreCountedAndNotWritten) {
+  ParkedContacts parked;
+  for (std::uint16_t b = 2; b < 5; ++b)
+    parked.add(contactOf(1, b, 0.0, 1.0));
+  parked.show();
+  for (const std::uint32_t room : {0U, 1U, 3U}) {
+    ContactList list{};
+    list.count = static_cast<std::uint32_t>(kMaxContacts) - room;
+    list.dropped = 2;
+    for (std::uint32_t i = 0; i < list.count; ++i)
+      list.contacts[i] = contactOf(7, 8, 0.0, 1.0);
+    parked.report(&list);
+    EXPECT_EQ(list.count, kMaxContacts) << room;
+    EXPECT_EQ(list.dropped, 2U + 3U - room) << room;
+    EXPECT_EQ(list.contacts[kMaxContacts - 1].a, 7U) << room << ": those of the list stay, behind these";
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::physics

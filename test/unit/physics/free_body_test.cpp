@@ -286,5 +286,30 @@ TEST(Dropped, CountsPointsOfPairsThatFindNoRoomToo) {
   EXPECT_EQ(list.count + list.dropped, 60U * 4U);
 }
 
+TEST(FreeBody, SinksInByWhatBothAreMadeOf) {
+  // GIVEN 0.5 kg on a floor. Three springs in a row: both surfaces and what an arm gives; 0.05 mm do not bear.
+  ModelConfig config = armsApart();
+  config.materials = {{"tool", 4.0e7, 100.0}, {"foam", 1.0e4, 20.0}};
+  config.arm_give = {1.0e4, 20.0, 1.0};
+  struct Row {
+    const char *floor, *cube;
+    double softness;  ///< [m/N] of the two surfaces together
+  };
+  for (const Row& row :
+       {Row{"foam", "", 1e-4 + 2.5e-8}, {"", "foam", 1e-4 + 2.5e-8}, {"foam", "foam", 2e-4}, {"tool", "", 5e-8}}) {
+    const double expected = 0.5e-4 + 0.5 * kGravity * (row.softness + 1e-4);
+    model::CollisionShape floor = box(Pose{}, 0.4, 0.4, 0.010), cube = box(Pose{}, 0.02, 0.02, 0.02);
+    floor.material = row.floor;
+    cube.material = row.cube;
+    model::SceneModel scene = testing::makeEmptyScene();
+    addSceneLink(&scene, "floor", model::JointKind::kFixed, shift(0, 0, -0.005), {floor}, {});
+    addSceneLink(&scene, "cube", model::JointKind::kFloating, shift(0, 0, 0.010 - expected), {cube},
+                 testing::inertial(0.5, Vector3::Zero(), 3e-5, 3e-5, 3e-5));
+    RavenWorld world(testing::makeRaven(), scene, config);
+    rest(&world, 300);
+    EXPECT_NEAR(0.010 - poseOf(world).p.z(), expected, 0.03 * expected) << row.floor << " " << row.cube;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::physics

@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include <gtest/gtest.h>
 
@@ -172,6 +175,35 @@ TEST(RavenWorldContact, HingesStayTogetherUnderContact) {
   }
   RecordProperty("mean_shift_of_masses_um", std::to_string(worst * 1e6));
   EXPECT_LT(worst, 2e-5);
+}
+
+TEST(RavenWorldContact, OfTwoArmsThatMeetBothGiveWay) {
+  // GIVEN arms that give 5 N for a millimetre: two in a row 2.5 N, and the surfaces, 20 N for a micrometre, hardly
+  ModelConfig config = modelConfig();
+  config.gravity = 0.0;
+  config.arm_give = {5.0e3, 30.0, 1.0};
+  RavenWorld world(testing::makeCrossedArms(), makeEmptyScene(), config);
+  world.step({});
+  ContactList list;
+  world.contactList(&list);
+  struct Press {
+    double depth{0.0}, force{0.0};
+  };
+  std::map<std::pair<int, int>, Press> pairs;
+  for (std::size_t i = 0; i < list.count; ++i) {
+    const Contact& contact = list.contacts[i];
+    Press& press = pairs[{contact.a, contact.b}];
+    press.depth = std::max<double>(press.depth, contact.depth);
+    press.force += toEigen(contact.f_W).dot(toEigen(contact.n_W));
+  }
+  int compared = 0;
+  for (const auto& [pair, press] : pairs) {
+    if (press.depth < 2e-4) continue;  // surfaces that hardly touch do not bear yet
+    const double expected = 2.5e3 * (press.depth - 0.5e-4);
+    EXPECT_NEAR(press.force, expected, 0.25 * expected) << pair.first << " " << pair.second;
+    ++compared;
+  }
+  EXPECT_GT(compared, 0) << "the tools must overlap";
 }
 
 }  // namespace

@@ -155,5 +155,28 @@ TEST_F(SceneSnapshotTest, OfAnotherSceneItIsNotTaken) {
   EXPECT_EQ(std::memcmp(&before, &after, sizeof(before)), 0);
 }
 
+TEST_F(SceneSnapshotTest, WhatTouchedAnArmIsForgottenWithTheContacts) {
+  // GIVEN both tools in the floor
+  RavenWorld world(raven_, makeTumble({}), testing::modelConfig());
+  SceneSnapshot snapshot;
+  world.saveScene(&snapshot);
+  JointArray deep = home_;
+  deep[kInsertion] = 0.33;
+  for (const Arm arm : kArms)
+    world.setJointState(arm, deep, JointArray{});
+  world.step({});
+  for (const Arm arm : kArms)
+    ASSERT_TRUE(world.contacts(arm) > 0 && world.isObstructed(arm)) << name(arm);
+  // WHEN the scene is put back THEN the list of contacts and what is said of each arm agree
+  world.restoreScene(snapshot);
+  ContactList list;
+  world.contactList(&list);
+  EXPECT_EQ(list.count, 0U);
+  for (const Arm arm : kArms) {
+    EXPECT_EQ(world.contacts(arm), 0U) << name(arm);
+    EXPECT_FALSE(world.isObstructed(arm)) << name(arm);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::physics
