@@ -269,5 +269,48 @@ TEST(PlanFor, TheSeedOfTheSessionSeedsEveryFault) {
   }
 }
 
+/** An encoder with half the pixels for colours takes even sizes alone. */
+TEST(ReadRender, AVideoOfAnOddSizeIsAPixelSmaller) {
+  const RenderConfig render =
+      readWith(readRender, "render", {{"video/width", "641", "test"}, {"video/height", "361", "test"}});
+  EXPECT_EQ(render.video_width, 640);
+  EXPECT_EQ(render.video_height, 360);
+}
+
+/** The error message for a row; empty: it is accepted. */
+std::string refusalOf(const std::string& text) {
+  try {
+    Section section = Section::fromText(text, "ROW");
+    readFault(section, 1, {"wan"});
+  } catch (const ConfigException& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(ReadFault, WhatCouldNeverActIsRefusedWithTheReason) {
+  const auto with = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  const std::string dac = row("stuck_at", "gold", "800");
+  const std::string start = "start: {trigger: pedal_down, first_tick: 0}\nduration_ticks: 0\n";
+  const std::string network = "host: relay\nsite: network_layer\nvariable: packet\nkind: impair\nvalue: wan\n" + start;
+  const std::string gain =
+      "host: console\nsite: haptic\nvariable: force_gain\nkind: stuck_at\narm: gold\nvalue: 2\n" + start;
+  const std::string random = with(row("random", "gold", "800"), "value: 800", "low: 5\nhigh: 6");
+  for (const std::string& good : {dac, network, gain, random})
+    EXPECT_EQ(refusalOf(good), "");
+  for (const auto& [bad, why] : std::vector<std::pair<std::string, const char*>>{
+           {with(dac, "host: robot", "host: relay"), "does not serve that site"},
+           {with(network, "host: relay", "host: master"), "impair is for host relay"},
+           {with(network, "trigger: pedal_down", "trigger: packet"), "impair is for host relay"},
+           {with(gain, "trigger: pedal_down", "trigger: packet"), "are no packets"},
+           {with(dac, "duration_ticks: 1", "duration_ticks: 0") + "period_ticks: 8\n", "can never come"},
+           {dac + "half_period_ticks: 2\n", "never comes"},
+           {dac + "count: 2\n", "can never be reached"},
+           {with(random, "high: 6", "high: 5"), "is not above low"}})
+    EXPECT_NE(refusalOf(bad).find(why), std::string::npos) << why << ": " << refusalOf(bad);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::config

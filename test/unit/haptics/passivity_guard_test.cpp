@@ -476,6 +476,38 @@ TEST(PassivityGuard, ForgottenItIsKnownAgainAfterARest) {
   EXPECT_GT(rested, 0);
 }
 
+TEST(PassivityGuard, WatchesEachDelayUpToTheLongestOneAllowedAndNoLonger) {
+  // GIVEN 1 N for one tick, and a hand that moves by 1 mm along it so many ticks later, and stays there: 1 mJ is given
+  for (const int ticks : {0, 1, 200, 201, 399, 400, 401}) {
+    PassivityGuard guard(withDelay(0.4));
+    guard.observe({0.0, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    for (int k = 0; k < ticks; ++k) {
+      guard.observe({0.0, 0.0, 0.0});
+      guard.given(Vector3d::Zero(), true);
+    }
+    guard.observe({0.001, 0.0, 0.0});
+    guard.given(Vector3d::Zero(), true);
+    guard.observe({0.001, 0.0, 0.0});  // now the force of this delay is zero, which takes nothing back
+    EXPECT_NEAR(guard.energy(), ticks <= 400 ? 0.001 : 0.0, 1e-12) << ticks;
+  }
+}
+
+TEST(PassivityGuard, CountsTheMotionAcrossANumberThatIsNone) {
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  PassivityGuard guard(withDelay(0.0));
+  guard.observe({0.0, 0.0, 0.0});
+  guard.given({1.0, 0.0, 0.0}, true);
+  int steps = 0;
+  for (const double bad : {nan, inf, -inf}) {
+    guard.observe({bad, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    guard.observe({-0.001 * ++steps, 0.0, 0.0});
+    guard.given({1.0, 0.0, 0.0}, true);
+    EXPECT_NEAR(guard.energy(), -0.001 * steps, 1e-12) << "1 N over a millimetre each, taken from the hand";
+  }
+}
+
 TEST(Shortened, KeepsDirectionAndFloor) {
   const Vector3d force(0.3, -0.4, 1.2);  // 1.3 N
   EXPECT_EQ(shortened(force, 1.0, 0.05), force);

@@ -435,5 +435,31 @@ TEST(JointLimits, ClampAsTheRobotDoes) {
   EXPECT_FALSE(applyJointLimits(g, &upper)) << "the robot never clamps the jaws at this end";
 }
 
+TEST(InverseWithinLimits, ClampsWhereTheWristIsSingularToo) {
+  const ArmGeometry g = raven();
+  JointArray beyond = singularWrist(g);
+  beyond[kElbow] = 140 * kDegree;  // the surface is one of wrist and insertion: the elbow is free
+  for (const Arm arm : kArms) {
+    const Pose X = forward(g, arm, beyond);
+    ASSERT_EQ(inverse(g, arm, X, jawOpening(beyond), beyond).status, IkStatus::kSingularWrist) << name(arm);
+    const IkResult result = inverseWithinLimits(g, arm, X, jawOpening(beyond), beyond);
+    EXPECT_EQ(result.status, IkStatus::kClamped) << name(arm);
+    EXPECT_EQ(result.q[kElbow], g.q_max[kElbow]) << name(arm);
+  }
+}
+
+TEST(Inverse, WhereTheWristIsSingularTooFarIsNotOutOfReach) {
+  // GIVEN a pose that is reached with the insertion 21 mm above or below the remote centre, and an arm 130 mm below
+  const ArmGeometry g = raven();
+  const JointArray q = singularWrist(g);
+  JointArray current = q;
+  current[kInsertion] -= 0.15;
+  for (const Arm arm : kArms) {
+    const IkResult result = inverse(g, arm, forward(g, arm, q), jawOpening(q), current);
+    EXPECT_EQ(result.status, IkStatus::kTooFar) << name(arm);
+    EXPECT_EQ(result.q, JointArray{}) << name(arm);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::kinematics

@@ -186,5 +186,20 @@ TEST(ExerciseRunner, EveryShippedExerciseCanBegin) {
   }
 }
 
+/** A hazard may wait for a tool change in an exercise, too. */
+TEST(ExerciseRunner, TriggersSeeToolChangesBesideItsOwnSignals) {
+  Rig rig(configWith("camera_clutch"));  // this exercise begins with the first pedal-down
+  ASSERT_TRUE(rig.home());
+  for (std::uint32_t change = 1; change <= 2; ++change) {
+    ASSERT_EQ(ask(&rig, RequestKind::kToolChange, 6 + change), PlanningAnswer::kAccepted);
+    rig.tick(false);
+    EXPECT_EQ(rig.model().faults.signals.tool_changes, change);
+  }
+  for (int i = 0; i < 3; ++i)
+    rig.tick(true);
+  EXPECT_EQ(rig.model().faults.signals.step, 1U);
+  EXPECT_EQ(rig.model().faults.signals.tool_changes, 2U);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

@@ -424,5 +424,15 @@ TEST_F(HapticParts, WhatOneTickHandsOnStandsInItsRecord) {
   EXPECT_LT(least_gain, 0.5) << "no force was reduced: the test checked little";
 }
 
+/** By these numbers a console finds how long its packets are under way (doc/wire.md). */
+TEST_F(HapticParts, AForcePacketHasItsOwnNumberAndTheNewestThatTheRobotTook) {
+  for (const std::uint32_t taken : {4711U, 4712U, 4712U, 3U}) {
+    robot.last_sequence = taken;
+    const HapticState state = tick();
+    EXPECT_EQ(packet.last_sequence, taken);
+    EXPECT_EQ(packet.sequence, state.count);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

@@ -299,5 +299,20 @@ TEST_F(PedalIngestRules, FromTheFirstSignedPacketOnNoneIsHeardWhereBothAreTaken)
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 1U);
 }
 
+/** After half a second of silence a master is nobody until its next packet of ITP. */
+TEST_F(PedalIngestRules, OfAMasterThatWasLetGoNoneIsHeardBeforeItIntroducesItselfAgain) {
+  listen(true, ItpAuth::kOff);
+  for (std::uint32_t number = 1; number <= 2; ++number) {
+    const wire::ItpBytes plain = itp(number);
+    ASSERT_EQ(receive(plain.data(), plain.size(), kMaster), Reject::kNone);
+    EXPECT_EQ(pedals(bit(Pedal::kView)), Reject::kNone);
+    EXPECT_EQ(pedals(0), Reject::kNone);
+    now_ns += 600 * kTickNanoseconds;
+    ingest->idle(now_ns);
+    EXPECT_EQ(pedals(bit(Pedal::kToolChange)), Reject::kForeignSource);
+    EXPECT_EQ(shared->pedal_requests.counts().pushed, number);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

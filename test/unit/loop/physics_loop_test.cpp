@@ -1071,5 +1071,29 @@ TEST_F(LoopBench, TheCamerasPedalGoesBackToWhatItCameFrom) {
   }
 }
 
+/** The robot is there, and never goes to PEDAL_DN. */
+TEST_F(LoopBench, WhatIsExecutedIsGivenUpWhereTheRobotDoesNotTakeThePedal) {
+  config.execution.robot_timeout = 0.2;
+  for (const bool is_trial : {false, true}) {
+    obeys = true;
+    begin();
+    if (is_trial) {
+      trial(pressed(), 5);
+      beginRepeat();
+    } else {
+      plan();
+      ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
+      press(1);
+    }
+    ASSERT_EQ(mode(), Mode::kExecuting);
+    obeys = false;
+    press(190);
+    EXPECT_EQ(mode(), Mode::kExecuting) << is_trial;
+    press(20);
+    EXPECT_NE(mode(), Mode::kExecuting) << is_trial;
+    EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kRobotLost) << is_trial;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

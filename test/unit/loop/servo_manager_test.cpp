@@ -1094,5 +1094,50 @@ TEST_F(ServoManagerTest, InTheRavensDialectARobotThatHomesAgainIsHomed) {
   EXPECT_EQ(state(), OperatingState::kPaused);
 }
 
+/** A client reads the joint, its limit, and whether it rotates. */
+TEST_F(ServoManagerTest, AForceBeyondTheControllerOfAnyJointIsRefusedOnBothSides) {
+  alone();
+  ASSERT_TRUE(c->enable());
+  const auto gains = ModeDriver::configuration().model.gains;
+  for (const Arm arm : kArms) {
+    for (const double sign : {1.0, -1.0}) {
+      for (std::size_t j = 0; j <= kServoJointCount; ++j) {
+        const bool is_jaw = j == kServoJointCount;
+        const double limit = gains[is_jaw ? kGrasp1 : j].limit;
+        ServoCommand push;
+        push.arm = arm;
+        push.kind = is_jaw ? ServoKind::kServoJawForce : ServoKind::kServoForces;
+        (is_jaw ? push.jaw : push.joints.at(j)) = sign * 1.01 * limit;
+        EXPECT_EQ(c->ask(push), ServoRefusal::kTooStrong) << name(arm) << " " << j << " " << sign;
+        EXPECT_EQ(c->last.joint, j);
+        EXPECT_EQ(c->last.is_turn, j == kInsertion ? 0 : 1) << j;
+        EXPECT_EQ(c->last.value, sign * 1.01 * limit) << j;
+        EXPECT_EQ(c->last.limit, limit) << j;
+      }
+    }
+  }
+}
+
+TEST_F(ServoManagerTest, AnArmThatWasLeftItsWeightIsHeldAgainOnceAClientAsksForIt) {
+  alone();
+  ASSERT_TRUE(c->enable());
+  c->rest(300);
+  const ServoJoints asked{0.1, -0.05, 1.0, 0.0, 0.01, 0.0};
+  for (const Arm arm : kArms) {
+    ASSERT_EQ(c->ask(ServoKind::kServoForces, arm, asked), ServoRefusal::kNone);
+    for (const bool is_held : {false, true}) {
+      ServoCommand weight;
+      weight.kind = ServoKind::kGravity;
+      weight.arm = arm;
+      weight.number = is_held ? 1.0 : 0.0;
+      ASSERT_EQ(c->ask(weight), ServoRefusal::kNone);
+      c->rest(2);
+      const double more = std::abs(at(rig->model().arms, arm).tau[kElbow] - asked[kElbow]);
+      EXPECT_EQ(more > 0.1, is_held) << name(arm) << ": " << more
+                                     << " Nm on the elbow in addition to what was asked for";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

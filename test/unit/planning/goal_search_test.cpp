@@ -81,5 +81,22 @@ TEST(GoalSearch, StopsWithinOneCandidateWhereverItIsTold) {
   }
 }
 
+TEST(GoalSearch, TriesTheCandidatesFromTheNearestOn) {
+  // GIVEN candidates that all touch, so that each is tried: those of the poses, then those of the joints
+  const UnitState start = JointSpace(test::geometry(), kinematics::jawOpening(kHome)).toUnit(kHome);
+  int tries = 0, begun_anew = 0;
+  double last = 0.0;
+  const auto touches = [&](const UnitState& unit) {
+    const double far = distance(unit, start);
+    if (far < last - 1e-12) ++begun_anew;
+    last = far;
+    ++tries;
+    return false;
+  };
+  ASSERT_EQ(find(touches, [] { return false; }).status, PlanStatus::kGoalInCollision);
+  EXPECT_GT(tries, 10);
+  EXPECT_LE(begun_anew, 1) << "where the second list begins";
+}
+
 }  // namespace
 }  // namespace raven2_trainer::planning

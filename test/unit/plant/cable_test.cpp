@@ -254,5 +254,30 @@ TEST(Cables, SteppingDoesNotTouchTheHeap) {
 }
 #endif
 
+TEST(Cables, LedMotorsStretchElasticCablesAndTakeTheLinksAlongOnRigidOnes) {
+  for (const Arm which : kArms) {
+    for (const bool is_elastic : {true, false}) {
+      VirtualRavenConfig config = elastic();
+      config.plant.elastic_cables = is_elastic;
+      ArmPlant arm(dhRaven(trainerConfig().arms), which, config);
+      const Vector7 before = arm.jointPositions(), motors = arm.motorPositions() + Vector7::Constant(0.5);
+      arm.leadMotors(motors, Vector7::Zero());
+      EXPECT_EQ(arm.motorPositions(), motors) << name(which);
+      if (is_elastic) {
+        EXPECT_EQ(arm.jointPositions(), before) << name(which);
+        EXPECT_LT((arm.cableStretch() - Vector7::Constant(0.5)).norm(), 1e-9) << name(which);
+        continue;
+      }
+      JointArray turned{};
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        turned[j] = motors[static_cast<Eigen::Index>(j)];
+      const JointArray q = raven::CableCoupling(which, config).toJoint(turned);
+      for (std::size_t j = 0; j < kJointCount; ++j)
+        EXPECT_NEAR(arm.jointPositions()[static_cast<Eigen::Index>(j)], q[j], 1e-9) << name(which) << kJointNames[j];
+      EXPECT_GT((arm.jointPositions() - before).norm(), 1e-3) << name(which);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

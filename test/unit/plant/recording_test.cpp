@@ -171,5 +171,75 @@ TEST(MotorReplay, PredictsTheRecordedArmBetterThanItsVelocity) {
   EXPECT_LT(error.plant[2], 1.0 * error.constant_velocity[2]);
 }
 
+TEST(MotorReplay, EachPredictionBeginsWhereTheRecordingIs) {
+  // GIVEN motors with an acceleration that the recorded commands do not explain
+  const VirtualRavenConfig config = trainerConfig().virtual_raven;
+  MotorRecording recording = recordOfPlant(config);
+  const std::array<double, 3> start = recording.rows[0].position;
+  for (std::size_t k = 0; k < recording.rows.size(); ++k) {
+    const double t = static_cast<double>(k) * kTickSeconds;
+    for (std::size_t i = 0; i < 3; ++i) {
+      recording.rows[k].position[i] = start[i] + 0.5 * 3.0 * t * t;
+      if (k > 0)
+        recording.rows[k].rate[i] = (recording.rows[k].position[i] - recording.rows[k - 1].position[i]) / kTickSeconds;
+    }
+  }
+  MotorReplay replay(dhRaven(trainerConfig().arms), config, recording);
+  for (const std::size_t row : {200, 400}) {  // 0.06 and 0.24 rad from the start
+    replay.leadTo(row);
+    const MotorReplay::Motors next = replay.predict(1).back();
+    // a millisecond of gravity and friction turns a motor by less than 5 mrad
+    for (std::size_t i = 0; i < 3; ++i) {
+      const double straight = recording.rows[row].position[i] + recording.rows[row].rate[i] * kTickSeconds;
+      EXPECT_NEAR(next[i], straight, 0.005) << row << kJointNames[i];
+    }
+  }
+}
+
+TEST(MotorReplay, EachRecordedCommandDrivesItsOwnMotor) {
+  const VirtualRavenConfig config = trainerConfig().virtual_raven;
+  MotorRecording quiet = recordOfPlant(config);
+  for (MotorRecording::Row& row : quiet.rows)
+    row.dac = {};
+  MotorReplay still(dhRaven(trainerConfig().arms), config, quiet);
+  const MotorReplay::Motors undriven = still.predict(50).back();
+  for (std::size_t i = 0; i < 3; ++i) {
+    MotorRecording driven = quiet;
+    for (MotorRecording::Row& row : driven.rows)
+      row.dac[i] = -2000;  // gold: a negative command turns a positioning motor forward (raven2.md 3.4)
+    MotorReplay moving(dhRaven(trainerConfig().arms), config, driven);
+    const MotorReplay::Motors there = moving.predict(50).back();
+    EXPECT_GT(there[i] - undriven[i], 0.1) << kJointNames[i];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (k == i) continue;
+      EXPECT_LT(std::abs(there[k] - undriven[k]), 0.5 * (there[i] - undriven[i])) << kJointNames[i] << " " << k;
+    }
+  }
+}
+
+TEST_F(RecordingFile, LinesMayEndAsWindowsEndsThem) {
+  const std::string header = std::string(kHeader) + "\r";
+  const MotorRecording recording = loadMotorRecording(write(header, "180,360,-90,5,-20,2,7\r", 200));
+  ASSERT_EQ(recording.rows.size(), 200u);
+  EXPECT_EQ(recording.rows[5].dac, (std::array<std::int16_t, 3>{-20, 2, 7}));
+}
+
+TEST_F(RecordingFile, CellsThatAreEmptyOrMoreThanANumberAreRefused) {
+  for (const std::string cell : {"", " ", "3x", "3 4", "0.5.1"}) {
+    EXPECT_NE(refusal(kHeader, "1," + cell + ",3,4,5,6,7").find(":2: \"" + cell + "\""), std::string::npos) << cell;
+    EXPECT_NE(refusal(kHeader, "1,2,3,4,5,6," + cell).find(":2: \"" + cell + "\""), std::string::npos) << cell;
+  }
+}
+
+TEST_F(RecordingFile, ColumnsMayComeInAnyOrder) {
+  const MotorRecording recording = loadMotorRecording(
+      write("dac3,mpos2_deg,dac1,mpos3_deg,note,dac2,mpos1_deg", "7,360,-20,-90,any words,2,180", 200));
+  const MotorRecording::Row& row = recording.rows[5];
+  EXPECT_DOUBLE_EQ(row.position[0], kPi);
+  EXPECT_DOUBLE_EQ(row.position[1], 2 * kPi);
+  EXPECT_DOUBLE_EQ(row.position[2], -kPi / 2);
+  EXPECT_EQ(row.dac, (std::array<std::int16_t, 3>{-20, 2, 7}));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

@@ -310,5 +310,14 @@ TEST(ItpGate, CompatLetsNothingThroughThatIsNotFinite) {
   EXPECT_EQ(bench.arrive(plain(zero), kOther), Reject::kBadQuaternion);
 }
 
+TEST(ItpGate, TheLastNumberIsTheNewestThoughALateSignedPacketIsUsed) {
+  GateBench bench(true, ItpAuth::kRequired);
+  bench.surgeon(true);
+  const auto late = bench.next(true), newest = bench.next(true);
+  ASSERT_EQ(bench.arrive(newest, kSurgeon), Reject::kNone);
+  ASSERT_EQ(bench.arrive(late, kSurgeon), Reject::kNone);
+  EXPECT_EQ(bench.gate.last(), bench.sequence);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::wire
