@@ -56,69 +56,91 @@ bool isApart(const ModelState& model) {
   }
 }
 
+/** Whether the event is the rest of a fault that began before it: another fault had the events in between. */
+bool isRest(const FaultEvent& event, const std::vector<Injection>& injections) {
+  bool lasts = false;
+  for (const Injection& injection : injections) {
+    const Tick begin = injection.inject_tick, clear = injection.clear_tick;
+    if (injection.name != event.name || begin < 0 || begin > event.last_tick) continue;
+    if (begin >= event.first_tick) return false;
+    lasts = lasts || clear < 0 || clear >= event.first_tick;
+  }
+  return lasts;
+}
+
+/** Whether an event of that fault was under way when it began. */
+bool hasEvent(const std::vector<FaultEvent>& events, const Injection& injection) {
+  const Tick begin = injection.inject_tick;
+  const auto has_begun = [&](const FaultEvent& event) { return event.first_tick <= begin; };
+  const auto next = std::partition_point(events.begin(), events.end(), has_begun);
+  if (next == events.begin()) return false;
+  const FaultEvent& event = *(next - 1);  // those before it ended where it began
+  return event.name == injection.name && (event.end_tick < 0 || begin <= event.end_tick);
+}
+
+/** The later end; -1 is open. */
+Tick laterEnd(Tick a, Tick b) {
+  return a < 0 || b < 0 ? -1 : std::max(a, b);
+}
+
 }  // namespace
 
 HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMetrics& metrics)
     : settings_(settings), watch_(watchOf(settings.response)) {
   for (const FaultEvent& event : metrics.faults) {
-    if (coming_.size() < kMaxHazards) {
-      coming_.push_back(describe(event, metrics));
-    } else {
+    if (coming_.size() >= kMaxHazards) {
       ++beyond_;
+      continue;
+    }
+    const auto is_its = [&](const Hazard& hazard) { return hazard.scenario == event.name; };
+    const auto former = std::find_if(coming_.rbegin(), coming_.rend(), is_its);
+    if (former != coming_.rend() && isRest(event, metrics.injections)) {
+      former->end = event.end_tick;
+    } else {
+      coming_.push_back(describe(event, metrics));
     }
   }
   addHidden(metrics);
 }
 
-namespace {
-
-/** Whether an event of that fault was under way when it began. */
-bool hasEvent(const std::vector<FaultEvent>& events, const Injection& injection) {
-  const Tick begin = injection.inject_tick;
-  const auto has_begun = [&](const FaultEvent& event) { return event.first_tick - kEarly <= begin; };
-  auto event = std::partition_point(events.begin(), events.end(), has_begun);
-  for (int i = 0; i < 2 && event != events.begin(); ++i) {  // one ends where the next begins: no third can be on
-    --event;
-    if (event->name == injection.name && (event->end_tick < 0 || begin <= event->end_tick)) return true;
-  }
-  return false;
-}
-
-}  // namespace
-
 /** Of scenarios that act at the same time one has the events. The others are to be answered, too. */
 void HazardCollector::addHidden(const SessionMetrics& metrics) {
-  const auto events = static_cast<std::ptrdiff_t>(coming_.size());
+  std::deque<Hazard> hidden;
   for (const Injection& injection : metrics.injections) {
-    if (injection.inject_tick >= 0 && !hasEvent(metrics.faults, injection)) addHidden(injection, events);
+    if (injection.inject_tick >= 0 && !hasEvent(metrics.faults, injection)) addHidden(injection, &hidden);
   }
+  const std::size_t room = std::min(hidden.size(), kMaxHazards - coming_.size());
+  coming_.insert(coming_.end(), hidden.begin(), hidden.begin() + static_cast<std::ptrdiff_t>(room));
+  beyond_ += hidden.size() - room;
   std::stable_sort(coming_.begin(), coming_.end(), [](const Hazard& a, const Hazard& b) { return a.begin < b.begin; });
 }
 
-/** A fault that outlasts the other one has an event later, which is its own. Rows and pulses of one are one hazard. */
-void HazardCollector::addHidden(const Injection& injection, std::ptrdiff_t events) {
+/** Rows and pulses of one fault are one hazard, and so is an event that it has later, because it outlasts the other. */
+void HazardCollector::addHidden(const Injection& injection, std::deque<Hazard>* hidden) {
   const Tick begin = injection.inject_tick, clear = injection.clear_tick;
   const Tick end = clear < 0 ? -1 : clear + kHiddenAftermath;
   const bool is_robots = injection.fault.host == FaultHost::kRobot && !injection.is_merged;
-  const Hazard hidden{injection.name, begin, end, is_robots ? injection.inject_cycle : 0};
-  const auto is_later = [&](const Hazard& hazard) {
-    return hazard.scenario == injection.name && hazard.begin > begin && (clear < 0 || hazard.begin <= clear);
-  };
   const auto goes_on = [&](const Hazard& hazard) {
     return hazard.scenario == injection.name && begin >= hazard.begin && (hazard.end < 0 || begin <= hazard.end);
   };
-  const auto own = coming_.begin() + events;
-  const auto later = std::find_if(coming_.begin(), own, is_later);
-  const auto former = std::find_if(own, coming_.end(), goes_on);
-  if (later != own) {
+  const auto is_later = [&](const Hazard& hazard) {
+    return hazard.scenario == injection.name && hazard.begin > begin && (clear < 0 || hazard.begin <= clear);
+  };
+  const auto former = std::find_if(coming_.begin(), coming_.end(), goes_on);
+  const auto own = std::find_if(hidden->begin(), hidden->end(), goes_on);
+  const auto later = std::find_if(coming_.begin(), coming_.end(), is_later);
+  if (former != coming_.end()) {
+    former->end = laterEnd(former->end, end);
+  } else if (own != hidden->end()) {
+    own->end = laterEnd(own->end, end);
+    if (later == coming_.end()) return;
+    own->end = laterEnd(own->end, later->end);
+    coming_.erase(later);
+  } else if (later != coming_.end()) {
     later->begin = begin;
-    later->cycle = hidden.cycle;
-  } else if (former != coming_.end()) {
-    former->end = end < 0 || former->end < 0 ? -1 : std::max(former->end, end);
-  } else if (coming_.size() < kMaxHazards) {
-    coming_.push_back(hidden);
+    later->cycle = is_robots ? injection.inject_cycle : 0;
   } else {
-    ++beyond_;
+    hidden->push_back({injection.name, begin, end, is_robots ? injection.inject_cycle : 0});
   }
 }
 

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstddef>
 #include <deque>
 #include <utility>
 #include <vector>
@@ -46,7 +45,7 @@ class HazardCollector {
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
   void addHidden(const SessionMetrics& metrics);
-  void addHidden(const Injection& injection, std::ptrdiff_t events);
+  void addHidden(const Injection& injection, std::deque<Hazard>* hidden);
   void watchClutch(const ModelState& model);
   bool mayAnswer(Tick now) const;
   void openWindows(Tick now);

@@ -895,6 +895,62 @@ TEST_F(SessionScoreTest, TheRowsOfAHazardInTheMidstOfAnotherAreOneHazard) {
   EXPECT_EQ(hazards[1].response.verdict, Verdict::kRight);
 }
 
+/** Of one row of a scenario. */
+struct Acting {
+  std::uint32_t id;
+  FaultHost host;
+  std::uint8_t row;
+  Tick begin, end;
+};
+
+class OverlappingFaults : public SessionScoreTest {
+ protected:
+  /** [session ticks] Begins of the hazards that are judged. */
+  std::vector<Tick> begins(const std::vector<Acting>& all) {
+    session::LogHeader header = makeHeader();
+    header.scenarios = {"friction", "sudden_jump", "grasper_runaway"};
+    begin(header);
+    for (Tick k = 0; k < 9000; ++k) {
+      TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+      record.robot.connected = 1;
+      record.robot.cycle = static_cast<std::uint64_t>(k + 1);
+      for (const Acting& fault : all) {
+        if (k != fault.begin && k != fault.end) continue;
+        FaultChangeRecord change = changeOf(record, fault.id, k == fault.begin);
+        change.change.host = fault.host;
+        change.change.row = fault.row;
+        change.change.cycle = record.robot.cycle;
+        writer_->write(change);
+      }
+      writer_->write(record);
+    }
+    std::vector<Tick> found;
+    for (const HazardScore& hazard : finish().hazards)
+      found.push_back(hazard.injection);
+    return found;
+  }
+};
+
+TEST_F(OverlappingFaults, AreOneHazardEach) {
+  const auto robot = FaultHost::kRobot, relay = FaultHost::kRelay, console = FaultHost::kConsole;
+  // two rows at a time, which outlast the other fault
+  EXPECT_EQ(begins({{1, robot, 0, 500, 2200}, {2, relay, 0, 2000, 4000}, {2, relay, 1, 2000, 4000}}),
+            (std::vector<Tick>{500, 2000}));
+  EXPECT_EQ(begins({{1, robot, 0, 500, 2200}, {2, relay, 0, 2000, 4000}, {2, relay, 1, 2050, 4000}}),
+            (std::vector<Tick>{500, 2000}));
+  // the second pulse outlasts it
+  EXPECT_EQ(begins({{1, robot, 0, 500, 2300}, {2, relay, 0, 2000, 2100}, {2, relay, 0, 2250, 4000}}),
+            (std::vector<Tick>{500, 2000}));
+  // it has an event soon after its beginning
+  EXPECT_EQ(begins({{1, robot, 0, 500, 2080}, {2, relay, 0, 2000, 4000}}), (std::vector<Tick>{500, 2000}));
+  // three that begin within a tenth of a second
+  EXPECT_EQ(begins({{1, console, 0, 2000, 4000}, {2, relay, 0, 2020, 4000}, {3, robot, 0, 2050, 4000}}),
+            (std::vector<Tick>{2000, 2020, 2050}));
+  // one that is interrupted twice
+  EXPECT_EQ(begins({{1, relay, 0, 500, 7000}, {2, robot, 0, 2000, 2300}, {2, robot, 0, 5000, 5300}}),
+            (std::vector<Tick>{500, 2000, 5000}));
+}
+
 TEST_F(SessionScoreTest, FaultsBeyondThoseThatAreJudgedAreCountedOnce) {
   session::LogHeader header = makeHeader();
   header.scenarios = {"friction", "sudden_jump"};
