@@ -362,21 +362,25 @@ Pose Simulation::led(Arm arm) const {
 }
 
 /** Toward the pose of the joints, so that what was rounded before counts. An arm that is so far behind that it refuses
- *  its set points must catch up first: motion farther away would lead it astray. A pose that does not come nearer asks
- *  for more in each tick that is left: at most for what a packet may carry. */
+ *  its set points must catch up first: only what leads it back is sent, as nothing shows how much it refused. A pose
+ * that does not come nearer asks for more in each tick that is left: at most for what a packet may carry. */
 void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const {
   const ArmState& state = at(view().model.arms, arm);
   const Pose now = led(arm);
   const Pose goal = kinematics::forward(config_.arms.geometry, arm, joints);
-  const Vector3 tip = kinematics::forward(config_.arms.geometry, arm, state.q).p;
-  const bool leads_away = (goal.p - now.p).dot(now.p - tip) >= 0.0;
-  if (leads_away && !kinematics::isUsable(static_cast<kinematics::IkStatus>(state.ik_status))) return;
+  const bool is_behind = static_cast<kinematics::IkStatus>(state.ik_status) == kinematics::IkStatus::kTooFar;
+  Vector3 way = goal.p - now.p;
+  if (is_behind) {
+    const Vector3 back = (kinematics::forward(config_.arms.geometry, arm, state.q).p - now.p).normalized();
+    way = std::max(0.0, way.dot(back)) * back;
+  }
   const Matrix3 B_to_I = control::itpToBase(arm).transpose();
   const Eigen::AngleAxisd turn(Matrix3(goal.R * now.R.transpose()));
-  Vector3 move_I = B_to_I * (goal.p - now.p) / left;
+  Vector3 move_I = B_to_I * way / left;
   const double most = largestMove(), largest = move_I.cwiseAbs().maxCoeff();
   if (largest > most) move_I *= most / largest;
   at(hands->move_I, arm) = toArray(move_I);
+  if (is_behind) return;
   const double angle = std::min(turn.angle() / left, kMaxTurn);
   at(hands->turn_I, arm) = quaternionOf(B_to_I * (angle * turn.axis()));
 }

@@ -1129,3 +1129,22 @@ def test_an_arm_that_was_led_into_the_plate_can_be_led_back_by_joints():
         simulation.step({"gold": {"joints": before}}, ticks=2000)
         assert simulation.state.desired_joints[0] == pytest.approx(before, abs=2e-3)
         assert simulation.state.mode == "teleoperating"
+
+
+def test_an_arm_that_is_held_up_is_not_led_astray_by_goals_to_the_side():
+    with raven2_trainer.Simulation(exercise="pick_hand_over_place", robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=50)
+        before = simulation.state.desired_joints[0].copy()
+        simulation.step({"gold": {"joints": before - [0, 0, 0.1, 0, 0, 0, 0]}}, ticks=2000)
+        simulation.step(ticks=500)
+        held = simulation.state.desired_joints[0].copy()
+        aside = held + [0.1, 0, 0.0002, 0.8, 0, 0, 0]
+        low, high = np.minimum.reduce([held, aside, before]), np.maximum.reduce([held, aside, before])
+        slack = np.array([0.03, 0.03, 0.003, 0.03, 0.03, 0.03, 0.03])
+        for goal in (aside, before):
+            for _ in range(10):
+                simulation.step({"gold": {"joints": goal}}, ticks=200)
+                now = simulation.state.desired_joints[0]
+                assert np.all(now > low - slack) and np.all(now < high + slack)
+        assert simulation.state.desired_joints[0] == pytest.approx(before, abs=2e-3)
