@@ -56,16 +56,12 @@ bool isApart(const ModelState& model) {
   }
 }
 
-/** Whether the event is the rest of a fault that began before it: another fault had the events in between. */
-bool isRest(const FaultEvent& event, const std::vector<Injection>& injections) {
-  bool lasts = false;
-  for (const Injection& injection : injections) {
+/** Whether a fault of that name that began from `from` to `to` still acts at a time. */
+bool acts(const std::vector<Injection>& injections, const std::string& name, Tick from, Tick to, Tick at) {
+  return std::any_of(injections.begin(), injections.end(), [&](const Injection& injection) {
     const Tick begin = injection.inject_tick, clear = injection.clear_tick;
-    if (injection.name != event.name || begin < 0 || begin > event.last_tick) continue;
-    if (begin >= event.first_tick) return false;
-    lasts = lasts || clear < 0 || clear >= event.first_tick;
-  }
-  return lasts;
+    return injection.name == name && begin >= from && begin <= to && (clear < 0 || clear >= at);
+  });
 }
 
 /** Whether an event of that fault was under way when it began. */
@@ -94,7 +90,8 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
     }
     const auto is_its = [&](const Hazard& hazard) { return hazard.scenario == event.name; };
     const auto former = std::find_if(coming_.rbegin(), coming_.rend(), is_its);
-    if (former != coming_.rend() && isRest(event, metrics.injections)) {
+    const bool is_new = acts(metrics.injections, event.name, event.first_tick, event.last_tick, event.first_tick);
+    if (!is_new && former != coming_.rend() && isRest(*former, event.first_tick, metrics.injections)) {
       former->end = event.end_tick;
     } else {
       coming_.push_back(describe(event, metrics));
@@ -103,11 +100,17 @@ HazardCollector::HazardCollector(const ScoreSettings& settings, const SessionMet
   addHidden(metrics);
 }
 
+/** Whether the hazard still acts at a time from its end on: another fault has the events. In a pause it may end before
+ *  it begins. */
+bool HazardCollector::isRest(const Hazard& hazard, Tick at, const std::vector<Injection>& injections) {
+  return hazard.end >= 0 && acts(injections, hazard.scenario, hazard.begin, std::max(hazard.begin, hazard.end), at);
+}
+
 /** Of scenarios that act at the same time one has the events. The others are to be answered, too. */
 void HazardCollector::addHidden(const SessionMetrics& metrics) {
   std::deque<Hazard> hidden;
   for (const Injection& injection : metrics.injections) {
-    if (injection.inject_tick >= 0 && !hasEvent(metrics.faults, injection)) addHidden(injection, &hidden);
+    if (injection.inject_tick >= 0 && !hasEvent(metrics.faults, injection)) addHidden(injection, metrics, &hidden);
   }
   const std::size_t room = std::min(hidden.size(), kMaxHazards - coming_.size());
   coming_.insert(coming_.end(), hidden.begin(), hidden.begin() + static_cast<std::ptrdiff_t>(room));
@@ -116,12 +119,13 @@ void HazardCollector::addHidden(const SessionMetrics& metrics) {
 }
 
 /** Rows and pulses of one fault are one hazard, and so is an event that it has later, because it outlasts the other. */
-void HazardCollector::addHidden(const Injection& injection, std::deque<Hazard>* hidden) {
+void HazardCollector::addHidden(const Injection& injection, const SessionMetrics& metrics, std::deque<Hazard>* hidden) {
   const Tick begin = injection.inject_tick, clear = injection.clear_tick;
   const Tick end = clear < 0 ? -1 : clear + kHiddenAftermath;
   const bool is_robots = injection.fault.host == FaultHost::kRobot && !injection.is_merged;
   const auto goes_on = [&](const Hazard& hazard) {
-    return hazard.scenario == injection.name && begin >= hazard.begin && (hazard.end < 0 || begin <= hazard.end);
+    return hazard.scenario == injection.name && begin >= hazard.begin &&
+           (hazard.end < 0 || begin <= hazard.end || isRest(hazard, begin, metrics.injections));
   };
   const auto is_later = [&](const Hazard& hazard) {
     return hazard.scenario == injection.name && hazard.begin > begin && (clear < 0 || hazard.begin <= clear);

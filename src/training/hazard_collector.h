@@ -45,7 +45,8 @@ class HazardCollector {
 
   static Hazard describe(const FaultEvent& event, const SessionMetrics& metrics);
   void addHidden(const SessionMetrics& metrics);
-  void addHidden(const Injection& injection, std::deque<Hazard>* hidden);
+  void addHidden(const Injection& injection, const SessionMetrics& metrics, std::deque<Hazard>* hidden);
+  static bool isRest(const Hazard& hazard, Tick at, const std::vector<Injection>& injections);
   void watchClutch(const ModelState& model);
   bool mayAnswer(Tick now) const;
   void openWindows(Tick now);

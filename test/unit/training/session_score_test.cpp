@@ -946,6 +946,14 @@ TEST_F(OverlappingFaults, AreOneHazardEach) {
   // three that begin within a tenth of a second
   EXPECT_EQ(begins({{1, console, 0, 2000, 4000}, {2, relay, 0, 2020, 4000}, {3, robot, 0, 2050, 4000}}),
             (std::vector<Tick>{2000, 2020, 2050}));
+  // it comes again, under another one that it outlasts
+  EXPECT_EQ(begins({{2, relay, 0, 500, 600}, {1, robot, 0, 4000, 6000}, {2, relay, 0, 5000, 7000}}),
+            (std::vector<Tick>{500, 4000, 5000}));
+  // its second row begins once another one has the events, which ends sooner or later
+  for (const Tick end : {4000, 6000})
+    EXPECT_EQ(begins({{2, relay, 0, 500, 5000}, {1, robot, 0, 800, end}, {2, relay, 1, 900, 5000}}),
+              (std::vector<Tick>{500, 800}))
+        << end;
   // one that is interrupted twice
   EXPECT_EQ(begins({{1, relay, 0, 500, 7000}, {2, robot, 0, 2000, 2300}, {2, robot, 0, 5000, 5300}}),
             (std::vector<Tick>{500, 2000, 5000}));
