@@ -34,6 +34,8 @@ const std::string kCommands = "commands";  ///< motion from step()
 constexpr int kInterruptTicks = 1000;
 constexpr Tick kPictureTicks = 33;         ///< from a live picture to the next
 constexpr double kMaxTurn = 0.0989;        ///< [rad] in a tick; less than a packet of the console takes
+constexpr double kLag = 2e-3;              ///< [m] farther behind its set point no arm is at rest; ours
+constexpr double kLagTurn = 0.2;           ///< [rad] the same
 
 /** Text of an exception, without the beginning that the next one's constructor adds again. */
 std::string reasonOf(const Exception& exception) {
@@ -362,16 +364,21 @@ Pose Simulation::led(Arm arm) const {
 }
 
 /** Toward the pose of the joints, so that what was rounded before counts. An arm that is so far behind that it refuses
- *  its set points must catch up first: only what leads it back is sent, as nothing shows how much it refused. A pose
- * that does not come nearer asks for more in each tick that is left: at most for what a packet may carry. */
+ *  its set points must catch up first: only what leads it back is sent, as nothing shows how much it refused. Once it
+ * has caught up and still refuses, it was led too far before. A pose that does not come nearer asks for more in each
+ * tick that is left: at most for what a packet may carry. */
 void Simulation::approach(Arm arm, const JointArray& joints, int left, console::HandsCommand* hands) const {
   const ArmState& state = at(view().model.arms, arm);
   const Pose now = led(arm);
   const Pose goal = kinematics::forward(config_.arms.geometry, arm, joints);
-  const bool is_behind = static_cast<kinematics::IkStatus>(state.ik_status) == kinematics::IkStatus::kTooFar;
+  const Pose is = kinematics::forward(config_.arms.geometry, arm, state.q);
+  const bool lags =
+      (is.p - now.p).norm() > kLag || Eigen::AngleAxisd(Matrix3(is.R * now.R.transpose())).angle() > kLagTurn;
+  const auto status = static_cast<kinematics::IkStatus>(state.ik_status);
+  const bool is_behind = lags && status == kinematics::IkStatus::kTooFar;
   Vector3 way = goal.p - now.p;
   if (is_behind) {
-    const Vector3 back = (kinematics::forward(config_.arms.geometry, arm, state.q).p - now.p).normalized();
+    const Vector3 back = (is.p - now.p).normalized();
     way = std::max(0.0, way.dot(back)) * back;
   }
   const Matrix3 B_to_I = control::itpToBase(arm).transpose();

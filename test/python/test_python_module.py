@@ -1148,3 +1148,17 @@ def test_an_arm_that_is_held_up_is_not_led_astray_by_goals_to_the_side():
                 now = simulation.state.desired_joints[0]
                 assert np.all(now > low - slack) and np.all(now < high + slack)
         assert simulation.state.desired_joints[0] == pytest.approx(before, abs=2e-3)
+
+
+def test_an_arm_that_was_led_too_fast_is_led_back_by_joints():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        simulation.start()
+        simulation.step(ticks=50)
+        before = simulation.state.desired_joints[0].copy()
+        simulation.step({"gold": {"move": [0.01, -0.005, -0.06]}}, ticks=60)  # 1 mm in a tick
+        simulation.step(ticks=500)
+        refused = simulation.state.desired_tips_in_world[0].copy()
+        simulation.step({"gold": {"move": [0, 0, 0.002]}}, ticks=200)
+        assert np.array_equal(simulation.state.desired_tips_in_world[0], refused), "it refuses though it has caught up"
+        simulation.step({"gold": {"joints": before}}, ticks=2000)
+        assert simulation.state.desired_joints[0] == pytest.approx(before, abs=2e-3)
