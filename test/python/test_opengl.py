@@ -1,6 +1,7 @@
 """OSMesa, and EGL without a screen, draw the same pictures. Separate processes draw a session with each of them."""
 import os
 import pathlib
+import statistics
 import subprocess
 import zlib
 
@@ -96,16 +97,15 @@ def test_both_draw_the_same_pictures(drawn):
 
 
 def test_both_draw_as_fast(drawn, session, tmp_path):
-    """Compares the fastest of up to four attempts each: a busy machine slows some of them down, not all."""
-    best = dict(drawn[1])
+    """Compares up to four attempts, each with one that follows at once: a shared machine's speed changes."""
+    ratios = [drawn[1]["egl"] / drawn[1]["osmesa"]]
     for attempt in range(3):
-        if best["egl"] < 1.1 * best["osmesa"]:
+        if statistics.median(ratios) < 1.1:
             break
-        for name in LIBRARIES:
-            best[name] = min(best[name], draw(session, tmp_path / f"{name}_{attempt}", name)[0])
-    ratio = best["egl"] / best["osmesa"]
-    print(f"EGL takes {ratio:.2f} times as long as OSMesa")
-    assert ratio < 1.1  # measured 0.99 to 1.01, while another process was busy
+        seconds = {name: draw(session, tmp_path / f"{name}_{attempt}", name)[0] for name in LIBRARIES}
+        ratios.append(seconds["egl"] / seconds["osmesa"])
+    print("EGL takes", *(f"{ratio:.2f}" for ratio in ratios), "times as long as OSMesa")
+    assert statistics.median(ratios) < 1.1  # measured 1.00 to 1.11, while two processes were busy
 
 
 @pytest.mark.parametrize("value", ["glx", "OSMESA"])
