@@ -1117,13 +1117,19 @@ def test_a_key_that_is_no_text_is_refused():
         simulation.step({"\ud800": {}})
 
 
+def press_into_the_plate(simulation):
+    """Gold, 0.1 m down. @return its joints before."""
+    simulation.start()
+    simulation.step(ticks=50)
+    before = simulation.state.desired_joints[0].copy()
+    simulation.step({"gold": {"joints": before - [0, 0, 0.1, 0, 0, 0, 0]}}, ticks=2000)
+    simulation.step(ticks=500)
+    return before
+
+
 def test_an_arm_that_was_led_into_the_plate_can_be_led_back_by_joints():
     with raven2_trainer.Simulation(exercise="pick_hand_over_place", robot="none") as simulation:
-        simulation.start()
-        simulation.step(ticks=50)
-        before = simulation.state.desired_joints[0].copy()
-        simulation.step({"gold": {"joints": before - [0, 0, 0.1, 0, 0, 0, 0]}}, ticks=2000)
-        simulation.step(ticks=500)
+        before = press_into_the_plate(simulation)
         lag = simulation.state.joints[0] - simulation.state.desired_joints[0]
         assert lag[2] > 0.01, "[m] held up by the plate"
         simulation.step({"gold": {"joints": before}}, ticks=2000)
@@ -1133,11 +1139,7 @@ def test_an_arm_that_was_led_into_the_plate_can_be_led_back_by_joints():
 
 def test_an_arm_that_is_held_up_is_not_led_astray_by_goals_to_the_side():
     with raven2_trainer.Simulation(exercise="pick_hand_over_place", robot="none") as simulation:
-        simulation.start()
-        simulation.step(ticks=50)
-        before = simulation.state.desired_joints[0].copy()
-        simulation.step({"gold": {"joints": before - [0, 0, 0.1, 0, 0, 0, 0]}}, ticks=2000)
-        simulation.step(ticks=500)
+        before = press_into_the_plate(simulation)
         held = simulation.state.desired_joints[0].copy()
         aside = held + [0.1, 0, 0.0002, 0.8, 0, 0, 0]
         low, high = np.minimum.reduce([held, aside, before]), np.maximum.reduce([held, aside, before])

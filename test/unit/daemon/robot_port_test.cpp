@@ -14,7 +14,7 @@ namespace {
 TEST(RobotPort, EachRefusalOfAFaultPlanIsToldOnce) {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
   config.network.robot_host = "127.0.0.1";
-  config.network.state_port = 1;  // nobody listens there
+  config.network.state_port = 1;  // a port without a server
   const auto shared = std::make_unique<SharedState>();
   RobotPort port(config, shared.get());
   ::testing::internal::CaptureStderr();

@@ -299,7 +299,7 @@ TEST_F(PedalIngestRules, FromTheFirstSignedPacketOnNoneIsHeardWhereBothAreTaken)
   EXPECT_EQ(shared->pedal_requests.counts().pushed, 1U);
 }
 
-/** After half a second of silence a master is nobody until its next packet of ITP. */
+/** After half a second of silence a master must send a packet of ITP before its pedals count again. */
 TEST_F(PedalIngestRules, OfAMasterThatWasLetGoNoneIsHeardBeforeItIntroducesItselfAgain) {
   listen(true, ItpAuth::kOff);
   for (std::uint32_t number = 1; number <= 2; ++number) {
