@@ -2,6 +2,7 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/trainer_config.h"
+#include "raven2_trainer/control/mode_table.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/loop/fault_director.h"
@@ -101,9 +102,11 @@ bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Respons
 }
 
 bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
+  const Mode mode = simulator_.shared().model.load().mode;
   simulator_.pause();
-  response.success = 1;
-  response.message = "paused until the pedal goes down again";
+  response.success = mode == Mode::kPaused || control::nextMode(mode, control::Event::kTimeSlip) != mode;
+  response.message = response.success ? "paused until the pedal goes down again"
+                                      : "nothing to pause: no arm moves by the pedal or by a plan";
   return true;
 }
 

@@ -5,8 +5,6 @@
 #include "ros/node/topic.h"
 
 namespace raven2_trainer::ros_bridge {
-namespace {}  // namespace
-
 CrtkVoice::CrtkVoice(ros::NodeHandle* node, const std::string& name)
     : publishers_{node->advertise<crtk::StringStamped>(name + "/info", kQueue),
                   node->advertise<crtk::StringStamped>(name + "/warning", kQueue),

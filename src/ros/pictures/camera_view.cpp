@@ -7,8 +7,6 @@
 #include "ros/pictures/compressed_picture.h"
 
 namespace raven2_trainer::ros_bridge {
-namespace {}  // namespace
-
 bool isWhole(const sensor_msgs::Image& picture) noexcept {
   return picture.width > 0 && picture.height > 0 && picture.step >= picture.width &&
          picture.data.size() == static_cast<std::size_t>(picture.step) * picture.height;

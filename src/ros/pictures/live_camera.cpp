@@ -5,8 +5,6 @@
 #include "ros/pictures/compressed_picture.h"
 
 namespace raven2_trainer::ros_bridge {
-namespace {}  // namespace
-
 LiveCamera::LiveCamera(ros::NodeHandle* node, const RenderConfig& config, const CameraView& view)
     : frame_(opticalFrame(config.live_camera)),
       view_(view),
