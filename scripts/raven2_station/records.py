@@ -48,6 +48,12 @@ def _exercise_of_log(path):
         return ""
 
 
+def _newest_ended(attempts):
+    """As the report takes it: the newest that came to an end; else the newest."""
+    ended = [a for a in attempts if a.get("status") in ("done", "failed")]
+    return (ended or attempts or [{}])[-1]
+
+
 def _is_number(value):
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
@@ -95,9 +101,13 @@ class Records:
         path = self.directory(name)
         report, meta = _dict(_json(path / "report.json")), _dict(_json(path / "meta.json"))
         session, verdict = _dict(report.get("session")), _dict(report.get("verdict"))
-        acted = [h.get("scenario") for h in _dicts(report.get("hazards"))]
-        return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": session.get("trainee") or "",
-                "exercise": session.get("exercise", ""), "drill": session.get("drill", ""), "hazards": _names(acted),
+        source = report
+        if not report:  # not made yet, or it failed: the score has the same facts
+            source = session = _dict(_json(path / "score.json"))
+            verdict = _newest_ended(_dicts(source.get("attempts")))
+        acted = [h.get("scenario") for h in _dicts(source.get("hazards"))]
+        return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": _text(session.get("trainee")),
+                "exercise": _text(session.get("exercise")), "drill": _text(session.get("drill")), "hazards": _names(acted),
                 "driver": _text(meta.get("motion")), "passed": verdict.get("passed"),
                 "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
                 "video": (path / "video.mp4").is_file()}

@@ -42,17 +42,22 @@ CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper
 STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, press Stop and next attempt."
 CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
 
-NAMES = {  # of the trainer's states, where they need other words
-    "physics loop": "this computer (physics loop)", "haptic loop": "this computer (haptic loop)", "queues": "this computer (queues)",
-    "master to daemon link": "hand device or page", "robot to daemon link": "link from the robot", "daemon to robot link": "link to the robot",
-    "forces to console": "forces to the hands"}
+PROBLEMS = {  # of the trainer's states
+    "physics loop": "This computer is too slow for the simulation.", "haptic loop": "This computer is too slow for the forces.",
+    "queues": "Data was lost inside the trainer.", "real time": "Motion may be uneven: the programs have no real-time priority.",
+    "master to daemon link": "The motion of the hands does not arrive as it should.",
+    "pedals to daemon link": "The pedals do not arrive as they should.", "robot": "The robot does not answer as it should.",
+    "robot to daemon link": "The robot's data does not arrive as it should.", "daemon to robot link": "The robot does not get all motion.",
+    "forces to console": "The hands do not get all forces.", "recorder": "The session is not recorded completely.",
+    "live picture": "The picture is smaller or slower than it should be.", "real camera": "No picture comes from the real camera."}
 ADVICE = {
     "physics loop": "Close other programs on this computer.", "haptic loop": "Close other programs on this computer.",
-    "real time": "Motion may be uneven. Start the station as root, or give real-time priority (doc/hardware.md).",
+    "real time": "Start the station as root, or give real-time priority (doc/hardware.md).",
     "master to daemon link": "Check that the hand device, its driver or the page that drives is connected.",
+    "pedals to daemon link": "Check the pedals and their driver.",
     "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
     "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
-    "recorder": "Free disk space: the session cannot be written.", "queues": "Close other programs on this computer.",
+    "recorder": "Free disk space, or record to a faster disk.", "queues": "Close other programs on this computer.",
     "live picture": "Close other programs on this computer.",
     "real camera": "Check the camera and its driver."}
 
@@ -115,5 +120,5 @@ def health(statuses):
     name, level, message = worst
     if level == 0:
         return 0, "Everything works."
-    shown = NAMES.get(name, name)
-    return level, f"{shown[:1].upper()}{shown[1:]}: {message}. {ADVICE.get(name, '')}".strip()
+    sentences = " ".join(filter(None, (PROBLEMS.get(name, ""), ADVICE.get(name, ""))))
+    return level, f"{sentences} ({name}: {message})".strip()

@@ -811,6 +811,21 @@ def test_sessions_are_listed_newest_first(folder):
     assert verdict["headline"] == "Not passed: time" and len(verdict["improve"]) == 3
 
 
+def test_a_session_whose_report_is_missing_is_listed_with_its_score(folder):
+    name = "2026-01-01T10-00-00Z_ann"
+    (folder / name / "report.json").unlink()
+    (folder / name / "score.json").write_text(json.dumps({
+        "trainee": "ann", "exercise": "peg_transfer", "drill": None, "hazards": [{"scenario": "fk_pos"}],
+        "attempts": [{"status": "failed", "passed": False}, {"status": "done", "passed": True}, {"status": "running", "passed": None}]}))
+    found = records.Records(folder).summary(name)
+    assert {key: found[key] for key in ("trainee", "exercise", "drill", "hazards", "passed")} == {
+        "trainee": "ann", "exercise": "peg_transfer", "drill": "", "hazards": ["fk_pos"], "passed": True}
+    for broken in ("[]", "{", '{"attempts": [], "trainee": 3}', '{"attempts": 1}'):
+        (folder / name / "score.json").write_text(broken)
+        found = records.Records(folder).summary(name)
+        assert (found["trainee"], found["exercise"], found["passed"]) == ("", "", None), broken
+
+
 @pytest.mark.parametrize("name", ["..", ".", "", "../x", "a/b", "/etc", "other", "x" * 200, None, 3, ".hidden", "a\0b", "a b",
                                   "2026-01-01T10-00-00Z_ann\n"])
 def test_names_that_are_no_sessions_are_refused(folder, name):
@@ -1319,7 +1334,13 @@ def test_a_stop_is_named_next_to_the_mode():
 def test_health_names_the_worst_and_a_remedy():
     assert words.health([("robot", 0, "fine"), ("recorder", 0, "")]) == (0, "Everything works.")
     level, text = words.health([("robot", 1, "late"), ("recorder", 2, "disk full")])
-    assert level == 2 and text.startswith("Recorder: disk full") and "disk space" in text
+    assert level == 2 and text == ("The session is not recorded completely. Free disk space, or record to a faster disk. "
+                                   "(recorder: disk full)")
+    assert words.health([("a new state", 1, "odd")]) == (1, "(a new state: odd)")
+    source = "".join((ROOT / "src/ros" / f).read_text() for f in ("bridge/messages.cpp", "pictures/live_camera.cpp", "node/rates.cpp"))
+    assert set(words.PROBLEMS) == set(words.ADVICE)
+    for name in words.PROBLEMS:
+        assert f'"{name.removesuffix(" link").removesuffix(" loop")}' in source or name.endswith(" loop"), name
     assert words.health([])[0] == 2
     clumsy = {name for path in (ROOT / "config/exercises").glob("*.yaml") for name in yaml.safe_load(path.read_text()).get("clumsy", {})}
     assert clumsy == set(words.CLUMSY), "each clumsy surgeon in words"
