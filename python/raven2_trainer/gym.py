@@ -64,6 +64,12 @@ def _hazard_of(exercise, hazard, config):
     return _exercise_file(exercise, config)["drill"]["scenario"]
 
 
+def _count(name, value):
+    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
+        raise ValueError(f"{name} is {value!r}, expected a whole number of at least 1")
+    return int(value)
+
+
 class Raven(gymnasium.Env):
     """Both arms in an exercise. `arms`: those that an action moves.
 
@@ -90,9 +96,8 @@ class Raven(gymnasium.Env):
             raise ValueError("max_steps is missing: without an exercise there is no time limit")
         if max_steps is None:
             max_steps = round(1000 * _exercise_file(exercise, config)["time_limit"]) // TICKS + JUDGED
-        self._wanted, self._max_steps, self._pictures = steps, max_steps, pictures
-        if variations < 1:
-            raise ValueError(f"variations is {variations}, expected at least 1")
+        self._wanted, self._max_steps, self._pictures = steps, _count("max_steps", max_steps), pictures
+        variations = _count("variations", variations)
         self._variations, self._started = variations, {}
         self._take(0)
         self._done_before, self._step = 0, 0
@@ -138,6 +143,8 @@ class Raven(gymnasium.Env):
     def step(self, action):
         if np.shape(action) != self.action_space.shape:
             raise ValueError(f"action has the shape {np.shape(action)}, expected {self.action_space.shape}")
+        if not np.issubdtype(np.asarray(action).dtype, np.number):
+            raise ValueError(f"action is {action!r}, expected numbers")
         action = np.clip(np.asarray(action, dtype=float).reshape(len(self._arms), -1), -1.0, 1.0)
         command = np.zeros((2, 7))
         command[:, 6] = OPEN

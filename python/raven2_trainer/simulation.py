@@ -12,10 +12,18 @@ from . import _core
 from .plain import as_plain
 
 
+def _path(name, value):
+    """As text; "" if missing."""
+    text = os.fsdecode(value) if value else ""
+    if "\0" in text:
+        raise ValueError(f"{name} is {text!r}: a path has no null characters")
+    return text
+
+
 def _root(config):
     """The packaged configuration lies in the same prefix as this package, in the devel and in the install space."""
     if config:
-        return os.path.abspath(os.fspath(config))  # a later chdir changes nothing
+        return os.path.abspath(_path("config", config))  # a later chdir changes nothing
     packaged = pathlib.Path(__file__).parents[4] / "share/raven2_trainer/config/trainer.yaml"
     return str(packaged) if packaged.exists() and "RAVEN2_TRAINER_SHARE" not in os.environ else ""
 
@@ -76,7 +84,7 @@ class Simulation(_core.Simulation):
             if value is not None and not isinstance(value, str):
                 raise TypeError(f"{name} is {value!r}, expected a name or None")
         super().__init__(exercise or "none", hazard or "none", int(seed), _root(config), robot == "virtual", motion or "commands",
-                         os.fspath(output or ""), plant or "", link or "none", _yaml(settings))
+                         _path("output", output), plant or "", link or "none", _yaml(settings))
 
     def __enter__(self):
         return self
@@ -96,7 +104,7 @@ class VectorSimulation:
             raise ValueError(f"n is {n}, expected 1 to {_core.MOST_SIMULATIONS}")
         self._threads = threads or len(os.sched_getaffinity(0))
 
-        output = output and os.fsdecode(output)
+        output = _path("output", output)
         for i in range(n) if output else ():  # before the first one is made
             folder = os.path.join(output, str(i))
             if os.path.exists(os.path.join(folder, "session.rlog")):

@@ -51,11 +51,11 @@ for seed in range(20):
         over = terminated or truncated
     successes += info["is_success"]
 assert successes == 20, successes
-for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3))):
+for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3)), ["0.1", "0", "0"], [None, 0, 0]):
     try:
         env.step(action)
     except ValueError as error:
-        assert "expected (3,)" in str(error), error
+        assert "expected (3,)" in str(error) or "expected numbers" in str(error), error
     else:
         raise AssertionError(action)
 
@@ -69,6 +69,15 @@ try:
     raise AssertionError("no time limit")
 except ValueError as error:
     assert "max_steps is missing" in str(error)
+
+for options in ({"max_steps": 0}, {"max_steps": 1.5}, {"variations": 0}, {"variations": 1.5}, {"variations": True}):
+    try:
+        gymnasium.make("raven2_trainer/Reach-v0", **options)
+    except ValueError as error:
+        assert f"{next(iter(options))} is" in str(error) and "whole number of at least 1" in str(error), error
+    else:
+        raise AssertionError(options)
+
 assert gymnasium.make("raven2_trainer/PickRing-v0", hazard="none").unwrapped.simulation.state.runlevel == "none"
 
 # each seed has its variation of friction and link, and always the same episode

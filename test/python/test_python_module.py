@@ -361,6 +361,11 @@ def test_wrong_settings_are_refused_with_the_programs_texts():
     for settings in ({"robot": "real"}, {"seed": -1}, {"seed": 1.5}):
         with pytest.raises(ValueError):
             raven2_trainer.Simulation(**settings)
+    for settings in ({"output": "/tmp/a\0b"}, {"output": b"/tmp/a\0b"}, {"config": "config\0/trainer.yaml"}):
+        with pytest.raises(ValueError, match="null characters"):
+            raven2_trainer.Simulation(**settings)
+    with pytest.raises(ValueError, match="output is .* null characters"):
+        raven2_trainer.VectorSimulation(2, output="/tmp/a\0b")
 
 
 def test_a_simulation_that_could_not_be_made_leaves_nothing_behind(tmp_path):
