@@ -256,7 +256,7 @@ def test_two_sessions_at_once_are_refused_and_so_is_what_cannot_be(station):
             assert (await page.ask("emergency-stop"))["ok"]
             await page.until(lambda: page.mode() == "stopped", 2, "stopped")
             answer = await page.ask("pause")
-            assert not answer["ok"] and "nothing to pause" in answer["text"]
+            assert (answer["ok"], answer["text"]) == (False, "Nothing to pause in mode stopped.")
             before = page.newest["station"]["session"]
             assert (await page.ask("next", seconds=60))["ok"]
             await page.until(lambda: page.newest["station"]["session"] not in (None, before), 10, "the next attempt")

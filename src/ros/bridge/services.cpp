@@ -1,5 +1,7 @@
 #include "ros/bridge/services.h"
 
+#include <algorithm>
+
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/control/mode_table.h"
@@ -52,6 +54,16 @@ void Services::refuseInjection(std::uint32_t id) const {
   }
 }
 
+/** @throw ConfigException if it would act at once, on a robot that is missing. */
+void Services::refuseWithoutRobot(std::uint32_t id) const {
+  if (id == 0 || simulator_.shared().robot.load().connected != 0) return;
+  const std::vector<Fault>& rows = simulator_.config().scenarios[id - 1].faults;
+  const bool acts = std::any_of(rows.begin(), rows.end(), [](const Fault& row) {
+    return row.host == FaultHost::kMaster || row.host == FaultHost::kConsole;
+  });
+  if (!acts) throw ConfigException("no robot is connected: this hazard acts on the robot alone");
+}
+
 bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
   return arm(FaultOrder::kArm, request, &response);
 }
@@ -65,6 +77,7 @@ bool Services::arm(FaultOrder order, const StartHazard::Request& request, StartH
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
     refuseInjection(id);
+    if (order == FaultOrder::kArmAtOnce) refuseWithoutRobot(id);
     const FaultPlan wanted = faults::planFor(simulator_.config(), id, 0);
     if (!loop::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
       throw ConfigException("too many faults are armed: stop_hazard first");
@@ -101,12 +114,16 @@ bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Respons
   return post(RequestKind::kDisengage, &response);
 }
 
+/** A refused one does nothing: lost time deletes the plan in every mode. */
 bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
   const Mode mode = simulator_.shared().model.load().mode;
-  simulator_.pause();
-  response.success = mode == Mode::kPaused || control::nextMode(mode, control::Event::kTimeSlip) != mode;
-  response.message = response.success ? "paused until the pedal goes down again"
-                                      : "nothing to pause: no arm moves by the pedal or by a plan";
+  const Mode next = control::nextMode(mode, control::Event::kTimeSlip);
+  response.success = mode == Mode::kPaused || next != mode;
+  if (next != mode) simulator_.pause();
+  response.message = !response.success
+                         ? "nothing to pause in mode " + std::string(kModeNames[static_cast<std::size_t>(mode)])
+                     : next == Mode::kPaused ? "paused until the pedal goes down again"
+                                             : "the model holds until the pedal goes down again; the timer goes on";
   return true;
 }
 
