@@ -40,12 +40,12 @@ def _text(value):
     return value if isinstance(value, str) else ""
 
 
-def _exercise_of_log(path):
+def _header_of_log(path):
     import raven2_session  # numpy: only here
     try:
-        return _text(raven2_session.read_header(path).get("exercise"))
+        return _dict(raven2_session.read_header(path))
     except raven2_session.SessionError:
-        return ""
+        return {}
 
 
 def _newest_ended(attempts):
@@ -101,16 +101,22 @@ class Records:
         path = self.directory(name)
         report, meta = _dict(_json(path / "report.json")), _dict(_json(path / "meta.json"))
         session, verdict = _dict(report.get("session")), _dict(report.get("verdict"))
-        source = report
-        if not report:  # not made yet, or it failed: the score has the same facts
-            source = session = _dict(_json(path / "score.json"))
-            verdict = _newest_ended(_dicts(source.get("attempts")))
-        acted = [h.get("scenario") for h in _dicts(source.get("hazards"))]
+        acted = [h.get("scenario") for h in _dicts(report.get("hazards"))]
+        if not report:  # not made yet, or it failed
+            session, verdict, acted = self._without_report(path)
         return {"name": name, "start": meta.get("start_time_utc", ""), "trainee": _text(session.get("trainee")),
                 "exercise": _text(session.get("exercise")), "drill": _text(session.get("drill")), "hazards": _names(acted),
                 "driver": _text(meta.get("motion")), "passed": verdict.get("passed"),
                 "duration": session.get("duration_s"), "report": (path / "report.html").is_file(),
                 "video": (path / "video.mp4").is_file()}
+
+    def _without_report(self, path):
+        """The same facts of the log's header, score.json and metrics.json."""
+        header, metrics = _header_of_log(path / "session.rlog"), _dict(_json(path / "metrics.json"))
+        session = {"trainee": header.get("trainee"), "exercise": header.get("exercise"), "drill": header.get("drill"),
+                   "duration_s": metrics.get("duration_s") if _is_number(metrics.get("duration_s")) else None}
+        attempt = _newest_ended(_dicts(_dict(_json(path / "score.json")).get("attempts")))
+        return session, {"passed": attempt.get("passed")}, [fault.get("name") for fault in _dicts(metrics.get("faults"))]
 
     def verdict(self, name):
         """For the end of a session: the headline and three things to improve."""
@@ -126,7 +132,7 @@ class Records:
         """Of the report; of a session without one, of its log. @return "none" for a free session, or if neither can be read."""
         path = self.directory(name)
         found = _dict(_dict(_json(path / "report.json")).get("session")).get("exercise")
-        return _text(found) or _exercise_of_log(path / "session.rlog") or "none"
+        return _text(found) or _text(_header_of_log(path / "session.rlog").get("exercise")) or "none"
 
     def delete(self, name):
         """The files first: on a full disk the index cannot be written before they are gone."""

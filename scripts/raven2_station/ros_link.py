@@ -78,14 +78,17 @@ class RosLink:
             self._changed()
 
     def send(self, message):
-        """@return whether it was sent. Messages are small: a link that does not take one counts as gone."""
+        """@return whether it was sent. Messages are small: a link that does not take one whole is ended, and starts again."""
         if self._connection is None or not self.is_up:
             return False
+        data = wire.encode(message)
         try:
-            data = wire.encode(message)
-            return self._connection.send(data) == len(data)
+            sent = self._connection.send(data)
         except OSError:
             return False
+        if sent < len(data):  # what follows would be read as its rest
+            self._connection.shutdown(socket.SHUT_RDWR)
+        return sent == len(data)
 
     async def call(self, service, arguments=None, limit=20.0):
         """@return (whether it happened, a sentence, the other fields of the answer)."""

@@ -227,7 +227,7 @@ def call(name, arguments):
     except (rospy.ROSException, rospy.ServiceException, TypeError, ValueError) as error:
         return False, failure_of(error), {}
     text = getattr(answer, "message", None) or getattr(answer, "status", "")
-    more = {key: getattr(answer, key) for key in ("plan", "arm", "cost", "robot_follows") if hasattr(answer, key)}
+    more = {key: getattr(answer, key) for key in ("plan", "arm", "cost", "robot_follows", "was") if hasattr(answer, key)}
     return bool(answer.success), str(text), more
 
 

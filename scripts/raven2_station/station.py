@@ -2,11 +2,11 @@
 
 import asyncio
 import collections
-import contextlib
 import time
 
 from . import hands, words
-from .curriculum import stages_of
+from .past import PastSessions
+from .statuses import Statuses
 from .supervisor import Refused
 
 DAEMON_SILENT = 1.5  # [s] without a message of the daemon
@@ -19,12 +19,11 @@ STOP_LIMIT = 2.0     # [s] for the trainer's answer to an emergency stop
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
 ROS_PATIENCE = 3.0   # [s] for the ROS master, before a session starts
 FOREIGN_GONE = "The trainer of the launch file does not answer any more. If its session has ended, choose and press Start."
-REPLAY_START = 30.0  # [s] until a session that is started for a replay is ready
 TRIGGERS = {"end-replay": "end_replay", "stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
             "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}
 
 
-class Station:
+class Station(PastSessions):
     """@param supervisor, link, records, finisher, known: see their modules."""
 
     def __init__(self, known, records):
@@ -38,6 +37,7 @@ class Station:
         self.newest = {}             # message by kind, for pages that come later
         self.progress = {}           # (session, what) -> (share, text)
         self._daemon_heard = self._hands_sent = None
+        self.statuses = Statuses()
         self._last_health = None
         self._was_foreign = self._foreign_gone = False
         self._status_at = self._alive_at = 0.0
@@ -55,11 +55,11 @@ class Station:
         self._show_state(client)
 
     def _show_state(self, client):
-        for kind in ("mode", "exercise", "plan", "session"):
+        for kind in ("mode", "exercise", "plan", "session", *(["robot"] if client.role == "instructor" else [])):
             if kind in self.newest and (kind == "exercise" or self.supervisor.is_running or self.is_foreign):
                 client.send(self._for(client, self.newest[kind]))
         client.send({"t": "station", **self._station(client)})
-        client.send({"t": "health", **self.health()})
+        client.send(self._for(client, {"t": "health", **self.health()}))
 
     def part(self, client):
         self.clients.pop(client.number, None)
@@ -77,6 +77,8 @@ class Station:
         """A trainee must not learn which hazard will come."""
         if client.role == "trainee" and message["t"] == "session":
             return {**message, "drill": "", "hazard": "", "directory": ""}
+        if client.role == "trainee" and message["t"] in ("health", "alive"):
+            return {**message, "detail": ""}
         return message
 
     def _station(self, client):
@@ -100,6 +102,7 @@ class Station:
     def changed(self):
         if self.supervisor.phase == "starting":
             self.newest.clear()  # of the session before
+            self.statuses.clear()
         if self.driving and self.supervisor.is_running and not self.browser_may_drive:
             self.driving = None  # somebody else has the hands in this session
             self.hands.release()
@@ -115,6 +118,11 @@ class Station:
         if kind == "asked":
             asyncio.ensure_future(self._answer(message))
             return
+        if kind == "diagnostics":
+            if self.statuses.hear(message["status"]):
+                self._daemon_heard = time.monotonic()
+            self._show_robot()
+            return
         self._daemon_heard = time.monotonic()
         if kind == "picture":
             for client in list(self.clients.values()):
@@ -128,12 +136,16 @@ class Station:
             message["mistakes"] = [[words.mistake(name), count] for name, count in message["mistakes"].items() if count]
         elif kind == "event" and message["mistake"]:
             message["text"] = words.mistake(message["mistake"])
-        if kind == "diagnostics":
-            self.newest[kind] = message
-            return
         if kind != "strips":
             self.newest[kind] = message
         self.broadcast(message)
+
+    def _show_robot(self):
+        message = self.statuses.message("robot")
+        shown = {"t": "robot", "text": words.robot(message)}
+        if message and shown != self.newest.get("robot"):
+            self.newest["robot"] = shown
+            self.broadcast(shown, only="instructor")
 
     async def _answer(self, message):
         ok, text, session = await self.do(message["do"], message["with"])
@@ -141,7 +153,10 @@ class Station:
                         "session": session if isinstance(session, str) else ""})
 
     def health(self):
-        """Level 0 is green, 1 a warning, 2 an error."""
+        """Level 0 is green, 1 a warning, 2 an error. Detail: the trainer's own words, for the instructor."""
+        return {"detail": "", **self._health()}
+
+    def _health(self):
         if self.link.is_taken:
             return {"level": 2, "text": "Another station runs with this ROS master. End one of them."}
         if not self.link.is_up:
@@ -157,10 +172,10 @@ class Station:
             return {"level": 2 if self.supervisor.trouble else 0,
                     "text": self.supervisor.trouble or {"starting": "The session starts.", "ending": "The session ends."}.get(
                         self.supervisor.phase, "No session: choose and press Start.")}
-        level, text = words.health([tuple(s) for s in self.newest.get("diagnostics", {}).get("status", [])])
+        level, text, detail = words.health(self.statuses.all)
         if level < 2 and self.newest.get("mode", {}).get("mode") == "stopped":
-            level, text = 1, words.STOPPED
-        return {"level": min(level, 2), "text": text}
+            level, text, detail = 1, words.STOPPED, ""
+        return {"level": min(level, 2), "text": text, "detail": detail}
 
     # ---- what pages and ROS services ask for
 
@@ -176,7 +191,7 @@ class Station:
                 done, text, more = await self.link.call(TRIGGERS[what], limit=STOP_LIMIT if what == "emergency-stop" else 20.0)
                 if not done and self.supervisor.phase == "idle" and not self.is_foreign:
                     text = "no session is running"
-                return done, words.answer(what, text), more
+                return done, self._answer_to(what, text), more
             if method is None:
                 raise Refused("unknown request")
             if client is not None and client.role == "trainee" and what not in TRAINEE_MAY:
@@ -186,6 +201,17 @@ class Station:
             return False, str(reason), {}
         except KeyError:
             return False, "there is no such session", {}
+
+    def _answer_to(self, what, text):
+        """In a sentence, by what is known of the session."""
+        mode = self.newest.get("mode", {})
+        if (what, text) == ("clear-stop", "not_now"):
+            return words.clear_refused(mode.get("mode"), mode.get("pedal"))
+        if (what, text) == ("clear-stop", "accepted") and self.statuses.message("robot").startswith("E-STOP"):
+            return words.ROBOT_STOPPED
+        if (what, text) == ("restart-exercise", "not_now") and self.newest.get("exercise", {}).get("status", "none") == "none":
+            return words.NO_EXERCISE
+        return words.answer(text)
 
     def _refuse_running(self, name):
         """@throw Refused for a session that is being recorded, by this station's trainer or a foreign one."""
@@ -229,33 +255,29 @@ class Station:
         if name not in self.known.names("hazards"):
             raise Refused("that hazard is unknown")
         done, text, more = await self.link.call("inject_hazard", {"name": name})
-        return done, words.injected(text, done and not self.newest.get("mode", {}).get("pedal")), more
+        return done, words.sentence(words.injected(text, done and not self.newest.get("mode", {}).get("pedal"))), more
 
     async def _do_view(self, given, _):
         real = given.get("real") is True
-        if real and self._camera() in ("silent", "none configured"):
+        if real and self.statuses.message("real camera") in ("silent", "none configured"):
             raise Refused("no picture comes from a real camera")
         done, text, more = await self.link.call("set_view", {"data": real})
-        return done, words.answer("view", text), more
-
-    def _camera(self):
-        """The trainer's status of its real camera; "" if none has come yet."""
-        return next((text for name, _, text in self.newest.get("diagnostics", {}).get("status", []) if name == "real camera"), "")
+        return done, words.answer(text), more
 
     async def _do_plan(self, given, _):
         arm = given.get("arm", "")
         if arm not in ("", "gold", "green"):
             raise Refused("the arm is gold or green")
         done, text, more = await self.link.call("plan", {"arm": arm, "default_goal": True}, limit=60.0)
-        return done, words.answer("plan", text), more
+        return done, words.answer(text), more
 
     async def _do_execute(self, given, _):
         done, text, more = await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
-        return done, words.answer("execute", text), more
+        return done, words.answer(text), more
 
     async def _do_cancel_plan(self, _, __):
         done, text, more = await self.link.call("cancel_plan")
-        return done, words.answer("cancel-plan", text), more
+        return done, words.NO_PLAN if done and more.get("was") == "idle" else words.answer(text), more
 
     async def _do_take_hands(self, given, _):
         self.away.set(given.get("away") is not False)
@@ -300,89 +322,6 @@ class Station:
         client.acknowledges = given.get("acknowledges") is True
         self._show_state(client)  # to a page that heard nothing for a moment
         return True, "", {}
-
-    async def _do_sessions(self, given, _):
-        """The newest, or those behind the first `skip` of them."""
-        skip = given.get("skip", 0)
-        if not isinstance(skip, int) or isinstance(skip, bool) or skip < 0:
-            raise Refused("skip is a whole number from 0")
-        return True, "", await asyncio.to_thread(lambda: {
-            "sessions": self.records.list(skip), "count": len(self.records.names()), "trainees": self.records.trainees()})
-
-    async def _do_verdict(self, given, _):
-        name = given.get("session")
-        verdict = await asyncio.to_thread(self.records.verdict, name)
-        share, text = self.progress.get((name, "report"), (0.0, ""))
-        return True, "", {**verdict, "trouble": text if share is None else ""}
-
-    async def _do_report(self, given, _):
-        self._refuse_running(given.get("session"))
-        self.finisher.report(self.records.directory(given.get("session")))
-        return True, "The report is being written.", {}
-
-    async def _do_video(self, given, _):
-        self._refuse_running(given.get("session"))
-        self.finisher.video(self.records.directory(given.get("session")))
-        return True, "The video is being rendered.", {}
-
-    async def _do_replay(self, given, _):
-        """In the running session; without one, the programs are started in the same scene, and no session is kept of that."""
-        directory = self.records.directory(given.get("session"))
-        self._refuse_running(directory.name)
-        starts = self.supervisor.phase == "idle" and not self.is_foreign
-        if starts:
-            await self._await_ros()
-            await self._start_replay(directory.name)
-        ok, text, more = await self.link.call("begin_replay", {"session": str(directory)})
-        if ok:
-            return True, "The picture shows the recorded session.", more
-        if starts and self.supervisor.is_replay:  # no session that somebody has started meanwhile
-            with contextlib.suppress(Refused):
-                await self.supervisor.end()
-        why = (starts and self.supervisor.trouble) or words.answer("replay", text)
-        return False, f"The session is not shown. {words.sentence(why)}", more
-
-    async def _start_replay(self, name):
-        exercise = await asyncio.to_thread(self.records.exercise, name)
-        await self.supervisor.start({"driver": "browser", "exercise": exercise if self.known.exercise(exercise) else "none"},
-                                    replay=True)
-        until = time.monotonic() + REPLAY_START
-        while self.supervisor.is_running and self.newest.get("mode", {}).get("mode") != "pedal_up" and time.monotonic() < until:
-            await asyncio.sleep(0.1)
-
-    async def _do_delete(self, given, _):
-        name = self.records.directory(given.get("session")).name
-        self._refuse_running(name)
-        if self.finisher.is_busy(name):
-            raise Refused("its report or video is being written: wait for it")
-        if given.get("sure") is not True:
-            raise Refused("deleting needs a confirmation")
-        try:
-            await asyncio.to_thread(self.records.delete, name)
-        except OSError as error:
-            raise Refused(f"the session is not deleted completely: {error.strerror}") from error
-        return True, "Deleted.", {}
-
-    async def _do_history(self, given, _):
-        trainee = given.get("trainee")
-        attempts = await asyncio.to_thread(self.records.history, trainee)
-        if not attempts and trainee not in await asyncio.to_thread(self.records.trainees):
-            raise Refused("this trainee has no session yet")
-        return True, "", {"trainee": trainee, "attempts": attempts}
-
-    async def _do_class(self, given, _):
-        curriculum = self.known.curriculum(given.get("curriculum"))
-        return True, "", {"title": (curriculum or {}).get("title", ""), "titles": [stage.title for stage in stages_of(curriculum)],
-                          "rows": await asyncio.to_thread(self.records.the_class, curriculum)}
-
-    async def _do_stage(self, given, _):
-        """A trainee's stage in a curriculum."""
-        name, trainee = given.get("curriculum"), given.get("trainee")
-        if not name or name not in self.known.names("curricula"):
-            raise Refused("that curriculum is unknown")
-        stages, current = await asyncio.to_thread(self.records.progress, trainee if isinstance(trainee, str) else "",
-                                                  self.known.curriculum(name))
-        return True, "", {"stages": [stage.describe() for stage in stages], "current": current}
 
     # ---- hands
 

@@ -1,5 +1,8 @@
 """States in words, as the pages show them."""
 
+ROBOT = {"E-STOP": "The robot is stopped (E-STOP).", "INIT": "The robot is homing.", "PEDAL_UP": "The robot is ready, its brakes hold.",
+         "PEDAL_DN": "The robot follows the hands.", "no robot": "No robot is connected."}
+
 SEVERITIES = ["high", "medium", "low", "none"]
 _SEVERITY = {"H1-2": "high", "H-2": "high", "H1-1": "high", "H1-3": "medium", "H-3": "medium"}
 
@@ -41,11 +44,16 @@ CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper
           "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
 STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, press Stop and next attempt."
 CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
+ROBOT_STOPPED = "The robot has stopped itself. Press its start button, or Stop and next attempt."
+NO_EXERCISE = "This session has no exercise: there is nothing to restart."
+NO_PLAN = "There was no plan."
 
 PROBLEMS = {  # of the trainer's states
     "physics loop": "This computer is too slow for the simulation.", "haptic loop": "This computer is too slow for the forces.",
     "queues": "Data was lost inside the trainer.", "real time": "Motion may be uneven: the programs have no real-time priority.",
     "master to daemon link": "The motion of the hands does not arrive as it should.",
+    "master left": "The left hand device does not work as it should.", "master right": "The right hand device does not work as it should.",
+    "crtk": "Commands of a CRTK client do not arrive, or an arm has a fault.",
     "pedals to daemon link": "The pedals do not arrive as they should.", "robot": "The robot does not answer as it should.",
     "robot to daemon link": "The robot's data does not arrive as it should.", "daemon to robot link": "The robot does not get all motion.",
     "forces to console": "The hands do not get all forces.", "recorder": "The session is not recorded completely.",
@@ -58,8 +66,16 @@ ADVICE = {
     "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
     "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
     "recorder": "Free disk space, or record to a faster disk.", "queues": "Close other programs on this computer.",
-    "live picture": "Close other programs on this computer.",
+    "live picture": "Close other programs on this computer.", "crtk": "Check the client.",
+    "master left": "Check the device and its driver.", "master right": "Check the device and its driver.",
     "real camera": "Check the camera and its driver."}
+
+
+CAUSES = [  # more exact than the two above: a state, a part of its message, sentences
+    ("live picture", "failed", "There is no picture. The reason is in station_logs/simulator.log."),
+    ("robot", "refuses our", "The robot's program refuses a part of the session. Its own messages say why."),
+    ("robot", "version", "The robot's program is of another version. Use the same version on both computers."),
+    ("master to daemon link", "packets", "Most packets of the hands are refused. The text in brackets says what to do.")]
 
 
 def severity(classes):
@@ -89,9 +105,21 @@ def mode(name, engaged=True):
     return texts.get(name, name.replace("_", " "))
 
 
-def answer(asked, text):
-    """The trainer's one word as a sentence."""
-    return CLEAR_FIRST if (asked, text) == ("clear-stop", "not_now") else ANSWERS.get(text, text)
+def robot(message):
+    """Of its status on /diagnostics, which begins with the run level."""
+    return next((text for level, text in ROBOT.items() if message.startswith(level)), "The robot is refused.")
+
+
+def answer(text):
+    """The trainer's one word, or its message, as a sentence."""
+    return ANSWERS.get(text) or sentence(text)
+
+
+def clear_refused(mode, pedal):
+    """Why the emergency stop was not cleared."""
+    if mode != "stopped":
+        return "Nothing is stopped."
+    return CLEAR_FIRST if pedal else ROBOT_STOPPED
 
 
 def injected(text, is_up):
@@ -113,12 +141,13 @@ def exercise(status, failure):
 
 
 def health(statuses):
-    """@param statuses: [(name, level 0 to 3, message)]. @return (level, sentence): green, or the worst and its remedy."""
+    """@param statuses: [(name, level 0 to 3, message)]. @return (level, sentences: green, or the worst and its remedy; the trainer's words)."""
     worst = max(statuses, key=lambda status: status[1], default=None)
     if worst is None:
-        return 2, "The trainer does not answer. If this lasts, end the session."
+        return 2, "The trainer does not answer. If this lasts, end the session.", ""
     name, level, message = worst
     if level == 0:
-        return 0, "Everything works."
-    sentences = " ".join(filter(None, (PROBLEMS.get(name, ""), ADVICE.get(name, ""))))
-    return level, f"{sentences} ({name}: {message})".strip()
+        return 0, "Everything works.", ""
+    exact = [sentences for state, part, sentences in CAUSES if state == name and part in message]
+    sentences = exact or [PROBLEMS.get(name, "Something does not work as it should."), ADVICE.get(name, "")]
+    return level, " ".join(filter(None, sentences[:2])), f"{name}: {message}"

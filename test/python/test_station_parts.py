@@ -27,7 +27,7 @@ import yaml
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
 import raven2_session  # noqa: E402
-from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, server, supervisor, wire, words  # noqa: E402
+from raven2_station import access, clients, curriculum, finisher, frames, hands, library, records, ros_link, server, supervisor, wire, words  # noqa: E402
 from raven2_station import station as station_module  # noqa: E402
 
 
@@ -155,8 +155,9 @@ def test_a_disengaged_robot_is_said():
 
 
 def test_answers_are_sentences():
-    assert words.answer("pause", "accepted") == "Done." and "pedal is up" in words.answer("clear-stop", "not_now")
-    assert words.answer("inject", "the hazard acts") == "the hazard acts"
+    assert words.answer("accepted") == "Done." and words.answer("the hazard acts") == "The hazard acts."
+    assert "pedal is up" in words.clear_refused("stopped", True) and "itself" in words.clear_refused("stopped", False)
+    assert words.clear_refused("pedal_up", False) == "Nothing is stopped."
     assert words.sentence("the trainer is not running") == "The trainer is not running." and words.sentence("Done.") == "Done."
 
 
@@ -167,7 +168,7 @@ def test_each_answer_of_the_trainer_has_a_sentence(header, array, sentences):
     names = re.findall(r'"(\w+)"', text.split(array + "{")[1].split("}")[0])
     assert len(names) > 5 and set(names) == set(sentences)
     for name in [*names, "no answer", "accepted; the planner is still ending"]:
-        assert re.fullmatch(r"[A-Z].*\.", words.answer("plan", name)), name
+        assert re.fullmatch(r"[A-Z].*\.", words.answer(name)), name
 
 
 def test_the_steps_of_each_track_are_counted(known):
@@ -811,19 +812,29 @@ def test_sessions_are_listed_newest_first(folder):
     assert verdict["headline"] == "Not passed: time" and len(verdict["improve"]) == 3
 
 
-def test_a_session_whose_report_is_missing_is_listed_with_its_score(folder):
+def test_a_session_whose_report_is_missing_is_listed_from_its_other_files(folder, monkeypatch):
     name = "2026-01-01T10-00-00Z_ann"
     (folder / name / "report.json").unlink()
+    header = {"trainee": "ann", "exercise": "peg_transfer", "drill": "sudden_jump"}
+    monkeypatch.setattr(records, "_header_of_log", lambda _: header)
+    (folder / name / "metrics.json").write_text(json.dumps({"duration_s": 12.5, "faults": [{"name": "fk_pos"}, {"name": "fk_pos"}]}))
     (folder / name / "score.json").write_text(json.dumps({
-        "trainee": "ann", "exercise": "peg_transfer", "drill": None, "hazards": [{"scenario": "fk_pos"}],
         "attempts": [{"status": "failed", "passed": False}, {"status": "done", "passed": True}, {"status": "running", "passed": None}]}))
+    keys = ("trainee", "exercise", "drill", "hazards", "passed", "duration")
     found = records.Records(folder).summary(name)
-    assert {key: found[key] for key in ("trainee", "exercise", "drill", "hazards", "passed")} == {
-        "trainee": "ann", "exercise": "peg_transfer", "drill": "", "hazards": ["fk_pos"], "passed": True}
-    for broken in ("[]", "{", '{"attempts": [], "trainee": 3}', '{"attempts": 1}'):
-        (folder / name / "score.json").write_text(broken)
+    assert [found[key] for key in keys] == ["ann", "peg_transfer", "sudden_jump", ["fk_pos"], True, 12.5]
+    header = {"trainee": "", "exercise": "none", "drill": "none"}  # a free session has no score
+    (folder / name / "score.json").unlink()
+    found = records.Records(folder).summary(name)
+    assert [found[key] for key in keys] == ["", "none", "none", ["fk_pos"], None, 12.5]
+    for broken in ("[]", "{", '{"attempts": 1, "duration_s": "long", "faults": 3}', '{"attempts": [3], "faults": [{"name": 3}]}'):
+        for file in ("score.json", "metrics.json"):
+            (folder / name / file).write_text(broken)
         found = records.Records(folder).summary(name)
-        assert (found["trainee"], found["exercise"], found["passed"]) == ("", "", None), broken
+        assert (found["hazards"], found["passed"], found["duration"]) == ([], None, None), broken
+    monkeypatch.undo()
+    found = records.Records(folder).summary(name)  # the log is one byte
+    assert (found["trainee"], found["exercise"], found["drill"]) == ("", "", "")
 
 
 @pytest.mark.parametrize("name", ["..", ".", "", "../x", "a/b", "/etc", "other", "x" * 200, None, 3, ".hidden", "a\0b", "a b",
@@ -1101,7 +1112,7 @@ def test_the_real_camera_is_shown_only_if_pictures_come(said, asked):
     station = station_module.Station(None, None)
     station.link = types.SimpleNamespace(call=call)
     if said:
-        station.newest["diagnostics"] = {"status": [["robot", 0, "fine"], ["real camera", 0, said]]}
+        station.statuses.hear([["robot", 0, "fine"], ["real camera", 0, said]])
     assert asyncio.run(station.do("view", {"real": True}))[0] is asked
     assert asyncio.run(station.do("view", {"real": False}))[0]
     assert calls == [("set_view", {"data": True})] * asked + [("set_view", {"data": False})]
@@ -1205,7 +1216,7 @@ def test_a_trainer_of_a_launch_file_that_goes_silent_is_no_green(known):
     for heard, phase in ((None, "idle"), (0.0, "idle"), (9.0, "idle"), (0.0, "idle"), (9.0, "idle"), (9.0, "starting"), (9.0, "idle")):
         station._daemon_heard = None if heard is None else time.monotonic() - heard
         station.supervisor.phase = phase
-        station.newest["diagnostics"] = {"status": [["robot", 0, "fine"]]}
+        station.statuses.hear([["robot", 0, "fine"]])
         station.tick(time.monotonic())
         levels.append(station.health()["level"])
     assert levels == [0, 0, 1, 0, 1, 0, 0]
@@ -1326,22 +1337,113 @@ def test_a_stop_is_named_next_to_the_mode():
     station.supervisor = types.SimpleNamespace(phase="running", is_running=True, ended_at=0.0, trouble="")
     station._daemon_heard = time.monotonic()
     for mode, level, status in (("teleoperating", 0, 0), ("stopped", 1, 0), ("stopped", 1, 1), ("stopped", 2, 2)):
-        station.newest = {"mode": {"mode": mode}, "diagnostics": {"status": [["recorder", status, "disk full"]]}}
+        station.newest = {"mode": {"mode": mode}}
+        station.statuses.hear([["recorder", status, "disk full"]])
         assert station.health()["level"] == level
         assert ("Clear the stop" in station.health()["text"]) == (level == 1)
 
 
 def test_health_names_the_worst_and_a_remedy():
-    assert words.health([("robot", 0, "fine"), ("recorder", 0, "")]) == (0, "Everything works.")
-    level, text = words.health([("robot", 1, "late"), ("recorder", 2, "disk full")])
-    assert level == 2 and text == ("The session is not recorded completely. Free disk space, or record to a faster disk. "
-                                   "(recorder: disk full)")
-    assert words.health([("a new state", 1, "odd")]) == (1, "(a new state: odd)")
-    source = "".join((ROOT / "src/ros" / f).read_text() for f in ("bridge/messages.cpp", "pictures/live_camera.cpp", "node/rates.cpp"))
-    assert set(words.PROBLEMS) == set(words.ADVICE)
-    for name in words.PROBLEMS:
-        assert f'"{name.removesuffix(" link").removesuffix(" loop")}' in source or name.endswith(" loop"), name
+    assert words.health([("robot", 0, "fine"), ("recorder", 0, "")]) == (0, "Everything works.", "")
+    assert words.health([("robot", 1, "late"), ("recorder", 2, "disk full")]) == (
+        2, "The session is not recorded completely. Free disk space, or record to a faster disk.", "recorder: disk full")
+    assert words.health([("a new state", 1, "odd")]) == (1, "Something does not work as it should.", "a new state: odd")
+    assert "no picture" in words.health([("live picture", 2, "failed; the daemon's stderr says why")])[1]
+    assert "Switch the robot on" not in words.health([("robot", 1, "PEDAL_UP; it refuses our fault plan (its own words say why)")])[1]
     assert words.health([])[0] == 2
+
+
+def test_each_state_of_the_trainer_has_a_sentence():
+    """Names on /diagnostics, from the sources that send them."""
+    source = "".join(path.read_text() for path in (ROOT / "src/ros").rglob("*.cpp"))
+    names = set(re.findall(r'\bstatus\("([^"]+)"', source)) | {f"{name} link" for name in re.findall(r'linkStatus\("([^"]+)"', source)}
+    names |= {f"{name} loop" for name in re.findall(r'"(\w+)"', (ROOT / "include/raven2_trainer/core/record.h").read_text().split(
+        "kLoopNames{")[1].split("}")[0])}
+    names |= set(re.findall(r's\.name = "raven2_trainer: ([^"]+)"', source)) | {"master left", "master right"}
+    assert len(names) > 10 and set(words.PROBLEMS) == names and set(words.ADVICE) == names
+    assert {state for state, _, _ in words.CAUSES} <= names
+
+
+def test_statuses_of_the_console_replace_none_of_the_daemons_and_are_no_sign_of_its_life(known, monkeypatch):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    now = [100.0]
+    monkeypatch.setattr(time, "monotonic", lambda: now[0])
+    of_daemon = {"t": "diagnostics", "status": [["recorder", 2, "disk full"], ["real camera", 0, "heard"]]}
+    of_console = {"t": "diagnostics", "status": [["master left", 0, "engaged"], ["master right", 0, "engaged"]]}
+    station.heard(of_console, b"")
+    assert not station.is_heard
+    station.heard(of_daemon, b"")
+    station.heard(of_console, b"")
+    assert station.is_heard and words.health(station.statuses.all)[0] == 2 and station.statuses.message("real camera") == "heard"
+    now[0] += 2.0
+    station.heard(of_console, b"")
+    assert not station.is_heard, "the console's alone"
+    now[0] += 2.0
+    station.heard(of_console, b"")
+    assert [status[0] for status in station.statuses.all] == ["master left", "master right"], "the daemon's are old"
+
+
+def test_the_instructor_sees_the_state_of_the_robot(known):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    station.supervisor = types.SimpleNamespace(is_running=True, phase="running", ended_at=0.0, state=lambda: {"choice": None})
+    station.link = types.SimpleNamespace(is_up=True, is_taken=False)
+    got = {"instructor": [], "trainee": []}
+    for number, role in enumerate(got):
+        station.clients[number] = types.SimpleNamespace(role=role, number=number, send=got[role].append)
+    for message in ("INIT", "PEDAL_UP", "PEDAL_UP; it refuses our fault plan (its own words say why)", "E-STOP", "no robot", "robot refused: it speaks"):
+        station.heard({"t": "diagnostics", "status": [["robot", 0, message]]}, b"")
+    assert [m["text"] for m in got["instructor"] if m["t"] == "robot"] == [
+        words.ROBOT["INIT"], words.ROBOT["PEDAL_UP"], words.ROBOT["E-STOP"], words.ROBOT["no robot"], "The robot is refused."]
+    station._show_state(station.clients[0])
+    station._show_state(station.clients[1])
+    assert got["instructor"][-3] == {"t": "robot", "text": "The robot is refused."} and "robot" not in {m["t"] for m in got["trainee"]}
+    header = (ROOT / "include/raven2_trainer/core/state.h").read_text()
+    assert set(re.findall(r'"([^"]+)"', header.split("kRunLevelNames{")[1].split("}")[0])) == set(words.ROBOT) - {"no robot"}
+
+
+def test_a_message_that_was_sent_in_part_ends_the_link():
+    ours, theirs = socket.socketpair()
+    ours.setblocking(False)
+    ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, 4096)
+    link = ros_link.RosLink(None, None)
+    link._connection, link.is_up = ours, True
+    assert link.send({"t": "hands"})
+    assert not link.send({"t": "hands", "text": "x" * (1 << 20)})
+    theirs.settimeout(5)
+    while theirs.recv(1 << 16):
+        pass
+    assert not link.send({"t": "hands"}), "the end of the stream was read: no later message is taken for the rest"
+    ours.close()
+    theirs.close()
+
+
+def test_a_trainee_sees_health_without_the_trainers_own_words(known):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    message = {"t": "health", "level": 1, "text": "A sentence.", "detail": "robot: it refuses our fault plan"}
+    for role, detail in (("trainee", ""), ("instructor", message["detail"])):
+        assert station._for(types.SimpleNamespace(role=role), message) == {**message, "detail": detail}
+
+
+def test_answers_say_what_is_known_of_the_session(known):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    station.newest["mode"] = {"mode": "stopped", "pedal": True}
+    assert station._answer_to("clear-stop", "not_now") == words.CLEAR_FIRST
+    station.newest["mode"]["pedal"] = False
+    assert station._answer_to("clear-stop", "not_now") == words.ROBOT_STOPPED
+    assert station._answer_to("clear-stop", "accepted") == "Done."
+    station.statuses.hear([["robot", 0, "E-STOP"]])
+    assert station._answer_to("clear-stop", "accepted") == words.ROBOT_STOPPED
+    assert station._answer_to("restart-exercise", "not_now") == words.NO_EXERCISE
+    station.newest["exercise"] = {"status": "running"}
+    assert station._answer_to("restart-exercise", "not_now") == words.PLANNING_ANSWERS["not_now"]
+    station.link = types.SimpleNamespace()
+
+    async def cancelled(service, *_, **__):
+        return True, "accepted", {"was": was}
+
+    station.link.call = cancelled
+    for was, says in (("idle", words.NO_PLAN), ("armed", "Done.")):
+        assert asyncio.run(station.do("cancel-plan", {}))[1] == says
     clumsy = {name for path in (ROOT / "config/exercises").glob("*.yaml") for name in yaml.safe_load(path.read_text()).get("clumsy", {})}
     assert clumsy == set(words.CLUMSY), "each clumsy surgeon in words"
     header = (ROOT / "include/raven2_trainer/core/mode.h").read_text()

@@ -482,8 +482,8 @@ def test_pages_fit_their_window_and_no_button_moves_under_the_pointer(browser, p
     for element in browser.driver.find_elements(By.CSS_SELECTOR, "button, input, select"):
         label = element.accessible_name
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
-    healths = ["Everything works.", *(words.health([(name, 1, "10 Hz, 640 x 360: less than configured, drawing takes too long")])[1]
-                                      for name in words.ADVICE)]
+    healths = ["Everything works.", *("{1} ({2})".format(*words.health([
+        (name, 1, "10 Hz, 640 x 360: less than configured, drawing takes too long")])) for name in words.ADVICE)]
     layouts = browser.driver.execute_script(LAYOUT, list(words.MODES.values()), healths)
     assert len(layouts[0]) > 5 and all(layout == layouts[0] for layout in layouts), "mode or health has moved a button"
 

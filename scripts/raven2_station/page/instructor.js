@@ -19,6 +19,7 @@ let newest = "";  // trainee of the last session, until the tab Trainee has show
 const link = new Link("instructor", {
   library: (m) => { library = m; showLibrary(); },
   mode: showMode,
+  robot: (m) => { byId("robot").textContent = m.text; },
   health: showHealth,
   alive: showHealth,
   station: showStation,
@@ -71,6 +72,7 @@ function showStation(message) {
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
   if (!runs) {
     byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
+    byId("robot").textContent = "No session";
     byId("clear-stop").hidden = byId("end-replay").hidden = true;
   }
   if (message.foreign && !before.foreign) say({ ok: true, text: "This trainer was not started here. Set up and Stop belong to its launch file." });
@@ -250,6 +252,7 @@ byId("form").addEventListener("submit", async (event) => {
 
 function press(id, what, given = () => ({})) {
   byId(id).addEventListener("click", async () => {
+    say({ ok: true, text: `${byId(id).textContent} …` });  // some answers take seconds
     const reply = await link.ask(what, given());
     say({ ok: reply.ok, text: reply.text || (reply.ok ? "Done." : "It did not happen.") });
   });

@@ -199,6 +199,7 @@ export function showTask(message, steps, tracks = []) {
 
 export function showHealth(message) {
   const health = byId("health");
-  if (health.textContent !== message.text) health.textContent = message.text;
+  const text = message.detail ? `${message.text} (${message.detail})` : message.text;
+  if (health.textContent !== text) health.textContent = text;
   health.dataset.level = message.level;
 }
