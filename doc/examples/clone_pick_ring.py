@@ -2,7 +2,7 @@
 """Clones the scripted expert in raven2_trainer/PickRing-v0: a network of scikit-learn learns from the expert's sessions, then tries
 50 seeds that it has not seen.
 
-    /usr/bin/python3 -m venv --system-site-packages ENV && ENV/bin/pip install gymnasium scikit-learn
+    /usr/bin/python3 -m venv --system-site-packages ENV && ENV/bin/pip install gymnasium==1.4.0 scikit-learn==1.9.1
     ENV/bin/python doc/examples/clone_pick_ring.py        # half a minute on two cores
 
 The network learns where the expert will be in 0.2 s, not the expert's speed: that is 0 before and after each motion, and a network

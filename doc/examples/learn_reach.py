@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Learns raven2_trainer/Reach-v0 by CMA-ES (the package `cma`), a linear policy; then tries it on 100 seeds that it has not seen.
 
-    /usr/bin/python3 -m venv --system-site-packages ENV && ENV/bin/pip install cma gymnasium
+    /usr/bin/python3 -m venv --system-site-packages ENV && ENV/bin/pip install cma==4.5.0 gymnasium==1.4.0
     ENV/bin/python doc/examples/learn_reach.py            # some minutes on two cores
 """
 

@@ -83,6 +83,10 @@ class State:
     def contacts(self) -> Sequence[int]:
         """Contact points on each arm of the model."""
     @property
+    def contact_points(self) -> NDArray[Any]:
+        """(n,) structured, a copy: all contacts of the last tick. a, b: bodies, by Simulation.body_names; depth [m]; position (3) [m, W];
+        normal (3) from b to a; force (3) [N, W] on a, friction included."""
+    @property
     def mode(self) -> str:
         """Mode of the trainer (doc/modes.md)."""
     @property
@@ -99,7 +103,7 @@ class State:
         """Whether a hazard acts."""
     @property
     def exercise(self) -> Mapping[str, Any]:
-        """status: none, waiting, running, done or failed; attempt; steps_done; steps: their names."""
+        """status: none, waiting, running, done or failed; attempt; steps_done; steps: their names; mistakes: how many of each kind."""
 
 class Simulation:
     def __init__(self, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ...,
@@ -146,11 +150,14 @@ class Simulation:
     def object_names(self) -> Sequence[str]:
         """Names of the free objects, in the order of State.objects."""
     @property
+    def body_names(self) -> Sequence[str]:
+        """Names of the links that State.contact_points counts."""
+    @property
     def memory(self) -> int:
         """[bytes] of a snapshot."""
 
 class VectorSimulation:
-    """n simulations side by side. All that a State has, with a first axis n; mode, runlevel and exercise are lists."""
+    """n simulations side by side. All that a State has, with a first axis n; mode, runlevel, exercise and contact_points are lists."""
 
     simulations: Sequence[Simulation]
     joints: NDArray[np.float64]
@@ -176,6 +183,7 @@ class VectorSimulation:
     mode: list[str]
     runlevel: list[str]
     exercise: list[Mapping[str, Any]]
+    contact_points: list[NDArray[Any]]
     def __init__(self, n: int, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ..., threads: Optional[int] = ...,
                  output: Union[str, PathLike[str], None] = ..., **options: Any) -> None: ...
     def __len__(self) -> int: ...
@@ -194,6 +202,13 @@ class Planner:
         clearance [m], tracking_error [m], samples."""
     def in_collision(self, arm: str, joints: ArrayLike, other: Optional[ArrayLike] = ...) -> NDArray[np.bool_]:
         """joints (..., 7) -> (...): touches something, or is nearer than the clearance."""
+    def clearance(self, arm: str, joints: ArrayLike, other: Optional[ArrayLike] = ...) -> NDArray[np.float64]:
+        """joints (..., 7) -> (...) [m]: distance to what is nearest, of scene, robot and the arm itself, whose parts are at most 0.012
+        apart; 0 where it touches."""
+    def roll_out(self, arm: str, waypoints: ArrayLike, other: Optional[ArrayLike] = ...) -> dict[str, Any]:
+        """The simulated arm follows waypoints (n, 7), from rest to rest on each edge. free: it came to rest at the end and touched
+        nothing; failed_edge: the edge, from 0, on which it touched, or None; arrival (n,) [s] planned; duration [s]; tracking_error
+        [m]; clearance [m], at most 0.05, a lower bound."""
     def edge_cost(self, arm: str, a: ArrayLike, b: ArrayLike) -> float:
         """Cost (eq. 1 of the paper) of the straight motion from joints a to b."""
 

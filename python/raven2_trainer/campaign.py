@@ -7,7 +7,7 @@ import pathlib
 import subprocess
 import tempfile
 
-from .plain import as_plain
+from .plain import as_plain, whole_number
 
 ERROR = "raven2_trainer: "  # begins the last line of a program that refused
 HELP = "Run with --help for more information."  # follows what is wrong with an option
@@ -33,7 +33,7 @@ class Campaign:
         output = pathlib.Path(output)
         with tempfile.TemporaryDirectory(prefix="raven2_campaign_") as folder:
             command = [PROGRAM, self._file(folder), "--output", output, "--seed", str(seed), "--jobs",
-                       str(jobs or len(os.sched_getaffinity(0))), *(["--resume"] if resume else [])]
+                       str(len(os.sched_getaffinity(0)) if jobs is None else whole_number("jobs", jobs)), *(["--resume"] if resume else [])]
             done = subprocess.run(command, capture_output=True, text=True, check=False)
         said = done.stderr.strip().splitlines() or [f"run_campaign ended with {done.returncode}"]
         is_refused = done.returncode not in (0, 1) or said[-1].startswith(ERROR)

@@ -13,6 +13,7 @@ import gymnasium
 import numpy as np
 import yaml
 
+from .plain import whole_number
 from .simulation import Simulation, root_file
 
 TICKS = 20         # [ms] of a step
@@ -36,7 +37,7 @@ def variation(number, config=None, robot="none"):
     Friction of the joints is 1 / 1.6 to 1.6 times config/model.yaml's: by so much two robots may differ (config/plants/more_friction.yaml).
     Friction of contacts is that of ABS and steel, 0.35 to 0.5 (model.yaml), with a jaw twice that. Variation 0 changes nothing.
     """
-    if number == 0:
+    if whole_number("number", number, 0) == 0:
         return {}
     random = np.random.default_rng([16, number])
     root = pathlib.Path(root_file(config))
@@ -64,12 +65,6 @@ def _hazard_of(exercise, hazard, config):
     return _exercise_file(exercise, config)["drill"]["scenario"]
 
 
-def _count(name, value):
-    if isinstance(value, bool) or not isinstance(value, (int, np.integer)) or value < 1:
-        raise ValueError(f"{name} is {value!r}, expected a whole number of at least 1")
-    return int(value)
-
-
 class Raven(gymnasium.Env):
     """Both arms in an exercise. `arms`: those that an action moves.
 
@@ -91,13 +86,16 @@ class Raven(gymnasium.Env):
         config = config and os.path.abspath(config)  # a later chdir changes nothing
         self._hazard, self._strike = _hazard_of(exercise, hazard, config), None
         self._make = {"exercise": exercise, "robot": robot or ("none" if self._hazard is None else "virtual"), "config": config}
+        if isinstance(arms, str) or not arms or len(set(arms)) != len(arms) or not set(arms) <= set(_ARMS):
+            raise ValueError(f"arms is {arms!r}, expected some of {_ARMS}, each once")
         self._arms = [_ARMS.index(arm) for arm in arms]
         if max_steps is None and exercise is None:
             raise ValueError("max_steps is missing: without an exercise there is no time limit")
         if max_steps is None:
             max_steps = round(1000 * _exercise_file(exercise, config)["time_limit"]) // TICKS + JUDGED
-        self._wanted, self._max_steps, self._pictures = steps, _count("max_steps", max_steps), pictures
-        variations = _count("variations", variations)
+        self._wanted = None if steps is None else whole_number("steps", steps)
+        self._max_steps, self._pictures = whole_number("max_steps", max_steps), pictures
+        variations = whole_number("variations", variations)
         self._variations, self._started = variations, {}
         self._take(0)
         self._done_before, self._step = 0, 0
@@ -143,8 +141,8 @@ class Raven(gymnasium.Env):
     def step(self, action):
         if np.shape(action) != self.action_space.shape:
             raise ValueError(f"action has the shape {np.shape(action)}, expected {self.action_space.shape}")
-        if not np.issubdtype(np.asarray(action).dtype, np.number):
-            raise ValueError(f"action is {action!r}, expected numbers")
+        if np.asarray(action).dtype.kind not in "iuf" or not np.isfinite(action).all():
+            raise ValueError(f"action is {action!r}, expected finite numbers")
         action = np.clip(np.asarray(action, dtype=float).reshape(len(self._arms), -1), -1.0, 1.0)
         command = np.zeros((2, 7))
         command[:, 6] = OPEN
@@ -188,6 +186,7 @@ class Raven(gymnasium.Env):
         exercise = state.exercise
         wanted = self._wanted or len(exercise["steps"])
         return {"is_success": bool(exercise["status"] == "done" or exercise["steps_done"] >= wanted > 0), "steps_done": exercise["steps_done"],
+                "mistakes": sum(exercise["mistakes"].values()),
                 "hazard": state.hazard, "tick": state.tick, "variation": self._number}
 
     def _seen(self):
@@ -226,7 +225,7 @@ class Reach(Raven):
         return float(np.linalg.norm(self._goal - self._tip()))
 
     def _info(self):
-        return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0, "hazard": self._simulation.state.hazard,
+        return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0, "mistakes": 0, "hazard": self._simulation.state.hazard,
                 "tick": self._simulation.state.tick, "variation": self._number}
 
     def _judge(self, info):

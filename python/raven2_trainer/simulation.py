@@ -9,12 +9,12 @@ import pathlib
 import numpy as np
 
 from . import _core
-from .plain import as_plain
+from .plain import as_plain, whole_number
 
 
 def _path(name, value):
     """As text; "" if missing."""
-    text = os.fsdecode(value) if value else ""
+    text = "" if value is None else os.fsdecode(value)
     if "\0" in text:
         raise ValueError(f"{name} is {text!r}: a path has no null characters")
     return text
@@ -22,7 +22,7 @@ def _path(name, value):
 
 def _root(config):
     """The packaged configuration lies in the same prefix as this package, in the devel and in the install space."""
-    if config:
+    if _path("config", config):
         return os.path.abspath(_path("config", config))  # a later chdir changes nothing
     packaged = pathlib.Path(__file__).parents[4] / "share/raven2_trainer/config/trainer.yaml"
     return str(packaged) if packaged.exists() and "RAVEN2_TRAINER_SHARE" not in os.environ else ""
@@ -76,14 +76,14 @@ class Simulation(_core.Simulation):
                  settings=None):
         if robot not in ("virtual", "none"):
             raise ValueError(f"robot is {robot!r}, expected 'virtual' or 'none'")
-        if isinstance(seed, bool) or not 0 <= seed < 2**64 or int(seed) != seed:
-            raise ValueError(f"seed is {seed!r}, expected a whole number from 0 to 2**64 - 1")
+        seed = whole_number("seed", seed, 0, 2**64 - 1)
         if plant and robot == "none":
             raise ValueError(f"plant is {plant!r}, but robot is 'none'")
         for name, value in (("exercise", exercise), ("hazard", hazard), ("motion", motion), ("plant", plant), ("link", link)):
             if value is not None and not isinstance(value, str):
                 raise TypeError(f"{name} is {value!r}, expected a name or None")
-        super().__init__(exercise or "none", hazard or "none", int(seed), _root(config), robot == "virtual", motion or "commands",
+            _path(name, value)  # of some, a file has the name
+        super().__init__(exercise or "none", hazard or "none", seed, _root(config), robot == "virtual", motion or "commands",
                          _path("output", output), plant or "", link or "none", _yaml(settings))
 
     def __enter__(self):
@@ -97,13 +97,12 @@ class VectorSimulation:
     """n simulations side by side on all cores, seeds `seed` to `seed + n - 1`. It has the arrays and numbers of a simulation's state,
     with a first axis n; `mode`, `runlevel` and `exercise` are lists. `output`: simulation i records in its folder i."""
 
-    LISTS = ("mode", "runlevel", "exercise")
+    LISTS = ("mode", "runlevel", "exercise", "contact_points")
 
     def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, output=None, **options):
-        if not 1 <= n <= _core.MOST_SIMULATIONS:  # of a process
-            raise ValueError(f"n is {n}, expected 1 to {_core.MOST_SIMULATIONS}")
-        self._threads = threads or len(os.sched_getaffinity(0))
-
+        n = whole_number("n", n, 1, _core.MOST_SIMULATIONS)  # of a process
+        seed = whole_number("seed", seed, 0, 2**64 - n)
+        self._threads = len(os.sched_getaffinity(0)) if threads is None else whole_number("threads", threads)
         output = _path("output", output)
         for i in range(n) if output else ():  # before the first one is made
             folder = os.path.join(output, str(i))

@@ -10,7 +10,7 @@ import raven2_session
 FORMATS = {"hdf5": "dataset.hdf5", "lerobot": "dataset"}  # format: default output
 LEROBOT_VERSIONS = ("2.1", "3.0")
 NO_PYARROW = ("the format lerobot needs the Python module {}. Debian has no pyarrow. In an environment of your own: "
-              "/usr/bin/python3 -m venv --system-site-packages ENV; ENV/bin/pip install pyarrow; . ENV/bin/activate; then the same command again")
+              "/usr/bin/python3 -m venv --system-site-packages ENV; ENV/bin/pip install pyarrow==18.1.0; . ENV/bin/activate; then the same command again")
 
 
 def in_environment():

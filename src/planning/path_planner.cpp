@@ -1,10 +1,12 @@
 #include "raven2_trainer/planning/path_planner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <stdexcept>
 
 #include "planning/free_volume.h"
+#include "planning/motion_cost.h"
 #include "planning/plan_run.h"
 #include "planning/poll.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -20,6 +22,16 @@ void reset(PlanProgress* progress) {
   progress->edges.store(0);
   progress->rollouts.store(0);
   progress->best_cost.store(0.0);
+}
+
+/** @throw std::invalid_argument. */
+void demandFinite(const std::vector<JointArray>& waypoints, const JointArray& other) {
+  const auto is_finite = [](const JointArray& q) {
+    return std::all_of(q.begin(), q.end(), [](double x) { return std::isfinite(x); });
+  };
+  if (waypoints.empty()) throw std::invalid_argument("0 waypoints, expected at least one");
+  if (!is_finite(other) || !std::all_of(waypoints.begin(), waypoints.end(), is_finite))
+    throw std::invalid_argument("joints: not a finite number");
 }
 
 bool areSound(const PlanOptions& o) {
@@ -150,6 +162,11 @@ struct PathPlanner::Impl {
       return nullptr;
     }
   }
+  ArmCollision& bareJudge(Arm arm) {
+    std::unique_ptr<ArmCollision>& judge = at(bare, arm);
+    if (judge == nullptr) judge = std::make_unique<ArmCollision>(raven, obstacles, arm, 0.0);
+    return *judge;
+  }
   ArmCollision& judge(Arm arm) { return arm == Arm::kGold ? gold : green; }
   PlanResult run(const PlanSetting& setting, const std::atomic<bool>& cancel, PlanStatistics* statistics);
 
@@ -158,7 +175,8 @@ struct PathPlanner::Impl {
   const PlannerConfig config;
   std::optional<ModelConfig> model;
   SceneObstacles obstacles;
-  ArmCollision gold, green;  // with the clearance
+  ArmCollision gold, green;                      // with the clearance
+  PerArm<std::unique_ptr<ArmCollision>> bare{};  // without; made when first needed
   std::unique_ptr<SceneCache> cache;
   PlanProgress progress;
 };
@@ -242,6 +260,37 @@ bool PathPlanner::inCollision(Arm arm, const JointArray& q, const JointArray& ot
   ArmCollision& judge = impl_->judge(arm);
   judge.placeOther(other);
   return judge.touches(q);
+}
+
+double PathPlanner::clearance(Arm arm, const JointArray& q, const JointArray& other, double cap) const {
+  ArmCollision& judge = impl_->bareJudge(arm);
+  judge.placeOther(other);
+  return judge.distance(q, cap);
+}
+
+FollowedPath PathPlanner::rollOut(Arm arm,
+                                  const std::vector<JointArray>& waypoints,
+                                  const JointArray& other,
+                                  const std::atomic<bool>& cancel) {
+  demandFinite(waypoints, other);
+  if (!impl_->model) throw std::runtime_error("this planner has no simulated arm");
+  SceneCache& cache = impl_->prepared(cancel);
+  ArmPlanning& planning = arm == Arm::kGold ? cache.gold : cache.green;
+  planning.checks.begin(JointSpace(impl_->raven.arms.geometry, kinematics::jawOpening(waypoints.front())), other);
+  FollowedPath path;
+  path.arrival = {0.0};
+  for (std::size_t i = 1; i < waypoints.size(); ++i)
+    path.arrival.push_back(path.arrival.back() + edgeDuration(impl_->config, waypoints[i - 1], waypoints[i]));
+  const RollOutReport report =
+      planning.roll_out->follow(waypoints, path.arrival, other, [&cancel] { return cancel.load(); });
+  if (report.stopped) throw std::runtime_error("cancelled");
+  if (report.broken) throw std::runtime_error("ODE's solver gave up");
+  path.free = report.free;
+  path.failed_edge = report.failed_edge;
+  path.clearance = report.clearance;
+  path.tracking_error = report.tracking_error;
+  path.duration = report.duration;
+  return path;
 }
 
 double PathPlanner::edgeCost(Arm arm, const JointArray& a, const JointArray& b) const {

@@ -205,7 +205,8 @@ void addSimulation(py::module_* target) {
               names.push_back(self.scene().description.links[static_cast<std::size_t>(body)].name);
             return names;
           },
-          doc("Simulation.object_names"));
+          doc("Simulation.object_names"))
+      .def_property_readonly("body_names", &Simulation::bodyNames, doc("Simulation.body_names"));
   addCommands(&simulation);
   addPictures(&simulation);
 }

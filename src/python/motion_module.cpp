@@ -119,23 +119,14 @@ py::tuple inverseOf(const Kinematics& self,
 
 /** One planner and its scene; calls wait for each other. */
 class Planner : public Constructed {
- public:
-  explicit Planner(const SimulationOptions& options)
-      : config_(loadConfig(options)),
-        raven_(model::loadRavenModel(config_)),
-        scene_(model::loadSceneModel(config_)),
-        planner_(raven_, scene_, config_.planner, config_.model) {
-    physics::initialiseOde();
-    planner_.prepare();
-  }
-
-  /** On another thread: the caller runs signals meanwhile. @throw what they throw; then the plan is cancelled. */
-  PlanResult plan(const PlanRequest& request, std::uint64_t seed) {
+  /** On another thread: the caller runs signals meanwhile. @throw what they throw; then the work is cancelled. */
+  template <typename Work>
+  auto await(const Work& work) {
     const std::lock_guard<std::mutex> lock(mutex_);
     std::atomic<bool> cancel{false};
     auto answer = std::async(std::launch::async, [&] {
       physics::attachOdeToThread();
-      return planner_.plan(request, seed, /*lockstep=*/true, cancel);
+      return work(cancel);
     });
     try {
       while (answer.wait_for(std::chrono::milliseconds(50)) != std::future_status::ready)
@@ -147,9 +138,33 @@ class Planner : public Constructed {
     return answer.get();
   }
 
+ public:
+  explicit Planner(const SimulationOptions& options)
+      : config_(loadConfig(options)),
+        raven_(model::loadRavenModel(config_)),
+        scene_(model::loadSceneModel(config_)),
+        planner_(raven_, scene_, config_.planner, config_.model) {
+    physics::initialiseOde();
+    planner_.prepare();
+  }
+
+  PlanResult plan(const PlanRequest& request, std::uint64_t seed) {
+    return await(
+        [&](const std::atomic<bool>& cancel) { return planner_.plan(request, seed, /*lockstep=*/true, cancel); });
+  }
+
+  planning::FollowedPath rollOut(Arm arm, const std::vector<JointArray>& waypoints, const JointArray& other) {
+    return await([&](const std::atomic<bool>& cancel) { return planner_.rollOut(arm, waypoints, other, cancel); });
+  }
+
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) {
     const std::lock_guard<std::mutex> lock(mutex_);
     return planner_.inCollision(arm, q, other);
+  }
+
+  double clearance(Arm arm, const JointArray& q, const JointArray& other) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return planner_.clearance(arm, q, other, kFarthest);
   }
 
   double edgeCost(Arm arm, const JointArray& a, const JointArray& b) {
@@ -160,6 +175,8 @@ class Planner : public Constructed {
   JointArray home() const { return config_.arms.geometry.home; }
 
  private:
+  static constexpr double kFarthest = 1.0;  // [m] no distance in the robot's workspace is larger
+
   std::mutex mutex_;
   const TrainerConfig config_;
   const model::RavenModel raven_;
@@ -223,6 +240,36 @@ py::array_t<bool> inCollision(Planner& self,
   return found;
 }
 
+Numbers clearance(Planner& self, const std::string& arm, const py::object& joints, const py::object& other) {
+  const Numbers rows = jointRows(joints);
+  const JointArray there = jointsOr(other, self.home(), "other");
+  Numbers found(leading(rows, 1, {}));
+  double* const distance = found.mutable_data();
+  const py::ssize_t count = found.size();
+  const Unlocked unlocked;
+  for (py::ssize_t i = 0; i < count; ++i)
+    distance[i] = self.clearance(armOf(arm), finiteRow(rows, i), there);
+  return found;
+}
+
+py::dict rollOut(Planner& self, const std::string& arm, const py::object& waypoints, const py::object& other) {
+  const Numbers rows = jointRows(waypoints);
+  if (rows.ndim() != 2) throw std::invalid_argument("waypoints: expected an array of shape (n, 7)");
+  std::vector<JointArray> path;
+  for (py::ssize_t i = 0; i < rows.shape(0); ++i)
+    path.push_back(finiteRow(rows, i));
+  const JointArray there = jointsOr(other, self.home(), "other");
+  const planning::FollowedPath followed = withoutLock([&] { return self.rollOut(armOf(arm), path, there); });
+  py::dict out;
+  out["free"] = followed.free;
+  out["failed_edge"] = followed.free ? py::object(py::none()) : py::cast(followed.failed_edge);
+  out["arrival"] = Numbers(static_cast<py::ssize_t>(followed.arrival.size()), followed.arrival.data());
+  out["clearance"] = followed.clearance;
+  out["tracking_error"] = followed.tracking_error;
+  out["duration"] = followed.duration;
+  return out;
+}
+
 }  // namespace
 
 void addPlanner(py::module_* module) {
@@ -238,6 +285,10 @@ void addPlanner(py::module_* module) {
       .def("plan", &plan, doc("Planner.plan"), py::arg("arm"), py::arg("start"), py::arg("goal"),
            py::arg("other") = py::none(), py::arg("seed") = 1)
       .def("in_collision", &inCollision, doc("Planner.in_collision"), py::arg("arm"), py::arg("joints"),
+           py::arg("other") = py::none())
+      .def("clearance", &clearance, doc("Planner.clearance"), py::arg("arm"), py::arg("joints"),
+           py::arg("other") = py::none())
+      .def("roll_out", &rollOut, doc("Planner.roll_out"), py::arg("arm"), py::arg("waypoints"),
            py::arg("other") = py::none())
       .def(
           "edge_cost",

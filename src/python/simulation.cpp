@@ -152,17 +152,20 @@ Simulation::Simulation(const SimulationOptions& options)
       process_(getpid()),
       has_robot_(options.has_robot) {
   physics::initialiseOde();
-  std::string wrong_setting, trouble;
+  std::string wrong_setting, wrong_model, trouble;
   const OdeBuilding building;
   try {
     build(options);
   } catch (const ConfigException& e) {
     wrong_setting = reasonOf(e);  // the exceptions may have memory in the arena, which goes
+  } catch (const ModelException& e) {
+    wrong_model = reasonOf(e);
   } catch (const std::exception& e) {
     trouble = e.what();
   }
   try {
     if (!wrong_setting.empty()) throw ConfigException(wrong_setting);
+    if (!wrong_model.empty()) throw ModelException(wrong_model);
     if (!trouble.empty()) throw std::runtime_error(trouble);
     if (!options.output.empty()) recording_ = std::make_unique<Recording>(config_, options, stack_.get());
   } catch (...) {  // here, as in the destructor: ODE may keep no block of the arena
@@ -431,11 +434,6 @@ void Simulation::close() {
     end_trouble_ = reasonOf(e);
     throw;
   }
-}
-
-PerArm<JointArray> Simulation::trueJoints() const {
-  const std::lock_guard<std::recursive_mutex> lock(mutex_);
-  return {stack_->trueJoints(Arm::kGold), stack_->trueJoints(Arm::kGreen)};
 }
 
 }  // namespace raven2_trainer::python

@@ -119,6 +119,9 @@ class Simulation : public Constructed {
   const TrainerConfig& config() const noexcept { return config_; }
   const model::SceneModel& scene() const noexcept { return *scene_; }
   const model::RavenModel& raven() const noexcept { return *raven_; }
+  /** Of the newest tick. */
+  ContactList contacts() const;
+  std::vector<std::string> bodyNames() const;
   /** [rad; m] true joints of the robot's plant. */
   PerArm<JointArray> trueJoints() const;
   std::uint64_t number() const noexcept { return number_; }

@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -66,6 +67,25 @@ class State : public Constructed {
 };
 static_assert(sizeof(RigidPose) == 7 * sizeof(double), "an object's row");
 
+/** A copy: the list of the next tick may be shorter. */
+py::array contactPoints(const State& state) {
+  const ContactList list = withoutLock([&] { return state.simulation().contacts(); });
+  py::list names, formats, offsets;
+  const auto add = [&](const char* name, const char* format, std::size_t offset) {
+    names.append(name);
+    formats.append(format);
+    offsets.append(offset);
+  };
+  add("a", "u2", offsetof(Contact, a));
+  add("b", "u2", offsetof(Contact, b));
+  add("depth", "f4", offsetof(Contact, depth));
+  add("position", "3f8", offsetof(Contact, p_W));
+  add("normal", "3f8", offsetof(Contact, n_W));
+  add("force", "3f8", offsetof(Contact, f_W));
+  const py::dtype type(names, formats, offsets, sizeof(Contact));
+  return py::array(type, static_cast<py::ssize_t>(list.count), list.contacts.data());
+}
+
 /** @param[in] tip_B of an arm's state. */
 template <typename Tip>
 Numbers inWorld(const State& state, Tip tip_B) {
@@ -102,6 +122,10 @@ py::dict exerciseOf(const State& state) {
   out["attempt"] = exercise.attempt;
   out["steps_done"] = exercise.step > 0 ? exercise.step - 1 : 0;
   out["steps"] = stepNames(state.simulation().config());
+  py::dict mistakes;
+  for (std::size_t i = 0; i < exercise.mistakes.size(); ++i)
+    mistakes[kMistakeNames[i]] = exercise.mistakes[i];
+  out["mistakes"] = mistakes;
   return out;
 }
 
@@ -146,6 +170,7 @@ void addWorld(py::class_<State>* target) {
             return std::array<std::uint32_t, 2>{s.model().arms[0].contacts, s.model().arms[1].contacts};
           },
           docOf("contacts"))
+      .def_property_readonly("contact_points", &contactPoints, docOf("contact_points"))
       .def_property_readonly(
           "true_joints",
           [](const State& s) {

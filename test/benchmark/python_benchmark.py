@@ -23,6 +23,19 @@ def seconds(work, times=1):
     return (time.perf_counter() - begin) / times
 
 
+def print_resets():
+    try:
+        import gymnasium  # PyPI: doc/python.md
+        import raven2_trainer.gym  # pylint: disable=unused-import
+    except ImportError:
+        print("resets: gymnasium is missing")
+        return
+    for name, options in (("Reach", {}), ("PickRing", {}), ("PickRing", {"hazard": "own"})):
+        environment = gymnasium.make(f"raven2_trainer/{name}-v0", **options)
+        print(f"reset of {name} {options}: {1e3 * seconds(environment.reset, 50):.1f} ms")
+        environment.close()
+
+
 def main():
     for robot in ("virtual", "none"):
         begin = time.perf_counter()
@@ -41,6 +54,7 @@ def main():
         some.start()
     alone = seconds(lambda: one.step(None, ticks=3000))
     print(f"four on {len(os.sched_getaffinity(0))} processors: {4 * alone / seconds(lambda: four.step(None, ticks=3000)):.2f} times one")
+    print_resets()
 
 
 main()

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import re
 import subprocess
 
 import pytest
@@ -39,6 +40,10 @@ for name in ("Reach", "PickRing", "RingTransfer", "PegTransfer"):
     check_env(env.unwrapped, skip_render_check=False)
     assert np.array_equal(episode(env, 3), episode(env, 3)) and not np.array_equal(episode(env, 3), episode(env, 4)), name
     env.close()
+    env = gymnasium.make(f"raven2_trainer/{name}-v0", hazard="sudden_jump", pictures=(32, 24), variations=2)
+    check_env(env.unwrapped, skip_render_check=True)
+    assert env.reset(seed=3)[1]["mistakes"] == 0
+    env.close()
 
 # a controller that goes straight to the point reaches it, which is success
 env = gymnasium.make("raven2_trainer/Reach-v0")
@@ -51,11 +56,11 @@ for seed in range(20):
         over = terminated or truncated
     successes += info["is_success"]
 assert successes == 20, successes
-for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3)), ["0.1", "0", "0"], [None, 0, 0]):
+for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3)), ["0.1", "0", "0"], [None, 0, 0], [np.nan, 0, 0], [0, np.inf, 0], [1j, 0, 0]):
     try:
         env.step(action)
     except ValueError as error:
-        assert "expected (3,)" in str(error) or "expected numbers" in str(error), error
+        assert "expected (3,)" in str(error) or "expected finite numbers" in str(error), error
     else:
         raise AssertionError(action)
 
@@ -70,13 +75,20 @@ try:
 except ValueError as error:
     assert "max_steps is missing" in str(error)
 
-for options in ({"max_steps": 0}, {"max_steps": 1.5}, {"variations": 0}, {"variations": 1.5}, {"variations": True}):
+for options in ({"max_steps": 0}, {"max_steps": 1.5}, {"variations": 0}, {"variations": 1.5}, {"variations": True}, {"steps": 0}, {"steps": 1.5}):
+    said = refused("Reach", **options)
+    assert f"{next(iter(options))} is" in said and "whole number of at least 1" in said, said
+
+for arms in ((), "gold", ("gold", "gold"), ("blue",)):
+    assert "arms is" in refused("RingTransfer", arms=arms), arms
+
+for number in (True, -1, "3", 1.5):
     try:
-        gymnasium.make("raven2_trainer/Reach-v0", **options)
+        raven2_trainer.gym.variation(number)
     except ValueError as error:
-        assert f"{next(iter(options))} is" in str(error) and "whole number of at least 1" in str(error), error
+        assert "number is" in str(error), error
     else:
-        raise AssertionError(options)
+        raise AssertionError(number)
 
 assert gymnasium.make("raven2_trainer/PickRing-v0", hazard="none").unwrapped.simulation.state.runlevel == "none"
 
@@ -170,3 +182,14 @@ def test_without_gymnasium_the_module_says_what_is_missing():
     assert done.returncode != 0 and "gymnasium" in done.stderr
 
 
+def test_the_page_has_the_versions_that_the_tests_use():
+    page = (ROOT / "doc/python.md").read_text()
+    pins = {pin for file in ("python/test_python_gym.py", "learn/test_examples.py", "learn/test_data_sets.py")
+            for pin in re.findall(r'"([a-z-]+==[0-9.]+)"', (ROOT / "test" / file).read_text())}
+    assert len(pins) >= 6
+    for pin in pins:
+        name, version = pin.split("==")
+        assert pin in page or re.search(rf"{name}[^|]*{re.escape(version)}", page), pin
+    for script, (package, *_) in {"learn_reach.py": ("cma==",), "clone_pick_ring.py": ("scikit-learn==",)}.items():
+        head = (ROOT / "doc/examples" / script).read_text()[:600]
+        assert GYMNASIUM in head and any(pin in head for pin in pins if pin.startswith(package)), script

@@ -137,6 +137,32 @@ def test_threads_do_not_disturb_each_other():
     assert alone == together and len({tuple(states) for states in alone.values()}) == 4
 
 
+def test_contacts_are_listed_with_place_and_force():
+    with raven2_trainer.Simulation(PICK, robot="none", motion="expert") as simulation:
+        names = simulation.body_names
+
+        def of_jaws_and_objects(points):
+            pairs = [({names[p["a"]], names[p["b"]]}, p) for p in points]
+            return [p for pair, p in pairs if pair & set(simulation.object_names) and any(name.endswith(("_L", "_R")) for name in pair)]
+
+        for _ in range(400):
+            simulation.step(ticks=50)
+            points = simulation.state.contact_points
+            held = of_jaws_and_objects(points)
+            if any(np.linalg.norm(p["force"]) > 0.1 for p in held):
+                break
+        assert len(held) >= 2, "the jaws hold the ring"
+        assert (points["a"] < points["b"]).all() and (points["depth"] >= 0).all()
+        assert np.allclose(np.linalg.norm(points["normal"], axis=1), 1)
+        ring = simulation.state.objects[:, :3]
+        assert all(np.linalg.norm(ring - p["position"], axis=1).min() < 0.02 for p in held), "at the ring, in the world"
+        arms = [sum(any(names[p[side]].endswith(end) for side in "ab") for p in points) for end in ("_L", "_R")]
+        assert simulation.state.contacts == arms
+        kept = points.copy()
+        simulation.step(ticks=200)
+        assert np.array_equal(points, kept), "a copy"
+
+
 def test_many_side_by_side_are_as_each_alone():
     many = raven2_trainer.VectorSimulation(3, PICK, seed=7)
     many.start()
@@ -147,6 +173,7 @@ def test_many_side_by_side_are_as_each_alone():
     assert many.tips.shape == many.tips_in_world.shape == (3, 2, 3) and many.dac.shape == (3, 2, 7)
     assert many.mode == ["teleoperating"] * 3 and many.hazard.tolist() == [False] * 3 and many.exercise[2]["status"] == "waiting"
     assert many.tick.tolist() == [simulation.state.tick for simulation in many.simulations]
+    assert [len(points) for points in many.contact_points] == [len(simulation.state.contact_points) for simulation in many.simulations]
     with raven2_trainer.Simulation(PICK, seed=8) as one:
         one.start()
         one.step(commands[1], ticks=100)
@@ -162,7 +189,7 @@ def test_many_record_each_in_its_folder(tmp_path):
     assert [raven2_trainer.Session(tmp_path / "all" / str(i)).meta["seed"] for i in range(2)] == [5, 6]
     assert all(simulation.closed for simulation in many.simulations)
     for n in (0, -1, 257, 2**70):
-        with pytest.raises(ValueError, match="expected 1 to 256"):
+        with pytest.raises(ValueError, match="whole number from 1 to 256"):
             raven2_trainer.VectorSimulation(n)
 
 
@@ -366,6 +393,23 @@ def test_wrong_settings_are_refused_with_the_programs_texts():
             raven2_trainer.Simulation(**settings)
     with pytest.raises(ValueError, match="output is .* null characters"):
         raven2_trainer.VectorSimulation(2, output="/tmp/a\0b")
+    for settings in ({"link": "wan\0.yaml"}, {"plant": "more_friction\0"}):
+        with pytest.raises(ValueError, match="null characters"):
+            raven2_trainer.Simulation(**settings)
+    for settings in ({"output": False}, {"output": 3}, {"config": []}):
+        with pytest.raises(TypeError):
+            raven2_trainer.Simulation(**settings)
+    for seed in (True, "1", None, 2**64, 1.5):
+        with pytest.raises(ValueError, match="seed is"):
+            raven2_trainer.Simulation(seed=seed)
+        with pytest.raises(ValueError, match="seed is"):
+            raven2_trainer.VectorSimulation(2, seed=seed)
+    with pytest.raises(ValueError, match="seed is"):
+        raven2_trainer.VectorSimulation(2, seed=2**64 - 1)
+    for name in ("n", "threads"):
+        for value in (0, -1, True, 2.5, "2"):
+            with pytest.raises(ValueError, match=f"{name} is"):
+                raven2_trainer.VectorSimulation(**{"n": 2, name: value})
 
 
 def test_a_simulation_that_could_not_be_made_leaves_nothing_behind(tmp_path):
@@ -966,6 +1010,94 @@ def test_a_plan_leads_from_start_to_goal(planner, home):
     assert np.array_equal(again["waypoints"], plan["waypoints"]), "the same seed, the same path"
     edges = sum(planner.edge_cost("gold", a, b) for a, b in zip(plan["waypoints"], plan["waypoints"][1:]))
     assert edges <= plan["cost"] * (1 + 1e-9), "eq. (1) without the clearance term"
+
+
+def test_a_path_is_followed_as_the_plan_says(planner, home):
+    goal = home[0] + [0.2, -0.1, 0.01, 0, 0, 0, 0]
+    plan = planner.plan("gold", home[0], goal, other=home[1])
+    followed = planner.roll_out("gold", plan["waypoints"], other=home[1])
+    assert followed["free"] and followed["failed_edge"] is None
+    assert followed["arrival"] == pytest.approx(plan["arrival"]) and followed["duration"] >= plan["arrival"][-1]
+    assert followed["tracking_error"] == pytest.approx(plan["tracking_error"], rel=1e-6)
+    assert followed["clearance"] == pytest.approx(plan["clearance"], rel=1e-6)
+    along = planner.clearance("gold", plan["waypoints"], other=home[1])
+    assert along.shape == (len(plan["waypoints"]),) and (along >= followed["clearance"] - 1e-3).all()
+    again = planner.plan("gold", home[0], goal, other=home[1])
+    assert np.array_equal(again["waypoints"], plan["waypoints"]), "roll_out() leaves nothing behind"
+
+
+def test_a_path_into_the_other_arm_touches_it(planner, home):
+    across = home[0] + np.array([[angle, 0, 0, 0, 0, 0, 0] for angle in np.linspace(0, 0.4, 17)])
+    distances = planner.clearance("gold", across, home[1])
+    assert distances[-1] == 0 and planner.in_collision("gold", across[-1], home[1])
+    near = distances[(distances > 1e-4) & (distances < 0.01)]
+    assert len(near) > 2 and (np.diff(near) < 0).all(), "less and less"
+    moved = home[0] + [0.05, 0, 0, 0, 0, 0, 0]
+    followed = planner.roll_out("gold", [home[0], moved, across[-1]], other=home[1])
+    assert not followed["free"] and followed["failed_edge"] == 1 and followed["clearance"] < 1e-3
+    assert followed["duration"] < followed["arrival"][-1]
+    both = planner.clearance("green", home)
+    assert both.shape == (2,) and np.isfinite(both).all()
+    for waypoints in ([], home[0], [[np.nan] * 7], np.zeros((2, 6)), "text"):
+        with pytest.raises(ValueError):
+            planner.roll_out("gold", waypoints)
+    with pytest.raises(ValueError, match="gold or green"):
+        planner.clearance("blue", home)
+
+
+def test_planners_in_threads_plan_as_each_alone(home):
+    def run(seed, out):
+        plans = raven2_trainer.Planner()
+        out[seed] = [plans.plan(arm, home[i], home[i] + [0.2, -0.1, 0.01, 0, 0, 0, 0], other=home[1 - i], seed=seed)["waypoints"].tobytes()
+                     for i, arm in enumerate(("gold", "green"))]
+
+    alone, together = {}, {}
+    for seed in range(1, 5):
+        run(seed, alone)
+    threads = [threading.Thread(target=run, args=(seed, together)) for seed in range(1, 5)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert alone == together and len(alone) == 4
+
+
+def test_what_is_wrong_with_a_model_is_said_as_by_the_program(tmp_path):
+    for part in ("config", "urdf"):
+        shutil.copytree(ROOT / part, tmp_path / part)
+    (tmp_path / "meshes").symlink_to(ROOT / "meshes")
+    scene = tmp_path / "urdf/frs_trainer.urdf"
+    scene.write_text(scene.read_text().replace('<collision name="', '<collision name="wooden_', 1))
+    root = tmp_path / "config/trainer.yaml"
+    with pytest.raises(raven2_trainer.ModelError, match="expected a material of config/model.yaml") as refused:
+        raven2_trainer.Simulation(config=root)
+    done = subprocess.run([BUILD / "devel/lib/raven2_trainer/simulate", "--config", root, "--seconds", "1", "--output", tmp_path / "session"],
+                          capture_output=True, text=True, check=False)
+    assert done.returncode == 1 and str(refused.value).split(": ", 1)[1] in done.stderr
+    robot = tmp_path / "urdf/raven2.urdf"
+    robot.write_text(robot.read_text().replace("</robot>", ""))
+    with pytest.raises(raven2_trainer.ModelError, match="raven2.urdf"):
+        raven2_trainer.Planner(config=root)
+
+
+def test_the_stubs_name_what_there_is():
+    import ast
+    stubs = {node.name: node for node in ast.parse((ROOT / "python/raven2_trainer/__init__.pyi").read_text()).body if isinstance(node, ast.ClassDef)}
+    functions = {"outcomes"}
+    assert set(stubs) | functions == set(raven2_trainer.__all__)
+    of_instances = {"VectorSimulation": None, "Session": {"log", "metrics", "faults", "meta"}, "Campaign": {"definition"}}
+    for name, stub in stubs.items():
+        said = {node.name for node in stub.body if isinstance(node, ast.FunctionDef)}
+        said |= {node.target.id for node in stub.body if isinstance(node, ast.AnnAssign)}
+        made = getattr(raven2_trainer, name)
+        there = {member for member in dir(made) if not member.startswith("_")}
+        if issubclass(made, BaseException):
+            continue
+        if name == "VectorSimulation":  # has what a state has
+            assert {s for s in said if not s.startswith("_")} == there - {"LISTS"} | {"simulations"} | {
+                member for member in dir(raven2_trainer.State) if not member.startswith("_")}, name
+        else:
+            assert {s for s in said if not s.startswith("_")} == there | of_instances.get(name, set()), name
 
 
 def test_what_cannot_be_planned_says_why(planner, home):

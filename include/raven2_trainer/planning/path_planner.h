@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "raven2_trainer/core/command.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -81,6 +82,17 @@ struct PlanStatistics {
   double rollout_time{};                ///< [s]
 };
 
+/** Motion of the simulated arm along a given path. */
+struct FollowedPath {
+  bool free{};                ///< it came to rest at the end and touched nothing
+  std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched; the
+                              ///< last one if it did not come to rest within a second
+  double clearance{};         ///< [m] least distance to scene, other arm and itself, at most 50 mm; a lower bound
+  double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
+  double duration{};          ///< [s] of what was followed, coming to rest included
+  std::vector<double> arrival;  ///< [s] when each waypoint is to be reached
+};
+
 /**
  * Path planner for one arm: six joints at a fixed jaw opening (Li et al. 2017, 2.3), each scaled to 0..1. The search
  * minimises eq. (1) plus a clearance term; reported costs are eq. (1) alone. With a ModelConfig, a simulated arm must
@@ -144,6 +156,22 @@ class PathPlanner {
 
   /** True if the arm at `q` is nearer than the clearance to the scene, the robot (other arm at `other`) or itself. */
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) const;
+
+  /** [m] Least distance of the arm at `q` to all that inCollision() judges, at most `cap`; 0 if it touches. Some 0.1
+   * ms. */
+  double clearance(Arm arm, const JointArray& q, const JointArray& other, double cap) const;
+
+  /**
+   * The simulated arm follows a path as the live model follows plans: from rest to rest on each straight edge, each in
+   * the time that plan() gives it. The limit of plan() for the tracking error does not count.
+   * @param[in] waypoints [rad, m] at least one. @param[in] cancel as of plan().
+   * @throw std::invalid_argument for no waypoint, or joints that are not finite; std::runtime_error if cancelled, of a
+   * planner without a simulated arm, or if ODE gave up; ModelException.
+   */
+  FollowedPath rollOut(Arm arm,
+                       const std::vector<JointArray>& waypoints,
+                       const JointArray& other,
+                       const std::atomic<bool>& cancel);
 
   /** Eq. (1), no clearance term, of the straight motion from rest at `a` to rest at `b` with the opening of `a`. */
   double edgeCost(Arm arm, const JointArray& a, const JointArray& b) const;
