@@ -116,12 +116,16 @@ bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Respons
 
 /** A refused one does nothing: lost time deletes the plan in every mode. */
 bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const Mode mode = simulator_.shared().model.load().mode;
+  const Mode mode = client_.mode();
   const Mode next = control::nextMode(mode, control::Event::kTimeSlip);
-  response.success = mode == Mode::kPaused || next != mode;
-  if (next != mode) simulator_.pause();
-  response.message = !response.success
-                         ? "nothing to pause in mode " + std::string(kModeNames[static_cast<std::size_t>(mode)])
+  response.success = mode == Mode::kPaused;
+  response.message = response.success
+                         ? "paused until the pedal goes down again"
+                         : "nothing to pause in mode " + std::string(kModeNames[static_cast<std::size_t>(mode)]);
+  if (next == mode) return true;
+  simulator_.pause();
+  response.success = client_.awaitMode(next);
+  response.message = !response.success       ? "not paused: the pedal came up in this moment"
                      : next == Mode::kPaused ? "paused until the pedal goes down again"
                                              : "the model holds until the pedal goes down again; the timer goes on";
   return true;
