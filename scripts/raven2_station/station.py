@@ -204,11 +204,11 @@ class Station(PastSessions):
 
     def _answer_to(self, what, text):
         """In a sentence, by what is known of the session."""
-        mode = self.newest.get("mode", {})
+        mode, robot_is_stopped = self.newest.get("mode", {}), self.statuses.message("robot").startswith("E-STOP")
         if (what, text) == ("clear-stop", "not_now"):
-            return words.clear_refused(mode.get("mode"), mode.get("pedal"))
-        if (what, text) == ("clear-stop", "accepted") and self.statuses.message("robot").startswith("E-STOP"):
-            return words.ROBOT_STOPPED
+            return words.clear_refused(mode.get("mode"), mode.get("pedal"), robot_is_stopped)
+        if (what, text) == ("clear-stop", "accepted") and robot_is_stopped:
+            return f"Your stop is cleared. {words.ROBOT_STOPPED}"
         if (what, text) == ("restart-exercise", "not_now") and self.newest.get("exercise", {}).get("status", "none") == "none":
             return words.NO_EXERCISE
         return words.answer(text)
@@ -367,6 +367,8 @@ class Station(PastSessions):
             self._foreign_gone = self._was_foreign and self.supervisor.phase == "idle"
             self._was_foreign = self.is_foreign
             self.changed()
+            for client in list(self.clients.values()):  # what the page has forgotten of a trainer that comes back
+                self._show_state(client)
         drives = self.is_hand_device and (self.supervisor.is_running or self.driving is not None)
         if drives and (self._hands_sent is None or now - self._hands_sent >= TICK):
             self._send_hands()

@@ -1,7 +1,7 @@
 """States in words, as the pages show them."""
 
 ROBOT = {"E-STOP": "The robot is stopped (E-STOP).", "INIT": "The robot is homing.", "PEDAL_UP": "The robot is ready, its brakes hold.",
-         "PEDAL_DN": "The robot follows the hands.", "no robot": "No robot is connected."}
+         "PEDAL_DN": "The robot moves, its brakes are off.", "no robot": "No robot is connected."}
 
 SEVERITIES = ["high", "medium", "low", "none"]
 _SEVERITY = {"H1-2": "high", "H-2": "high", "H1-1": "high", "H1-3": "medium", "H-3": "medium"}
@@ -44,7 +44,8 @@ CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper
           "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
 STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, press Stop and next attempt."
 CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
-ROBOT_STOPPED = "The robot has stopped itself. Press its start button, or Stop and next attempt."
+ROBOT_STOPPED = "The robot itself is stopped (E-STOP). Press its start button, or Stop and next attempt."
+MODEL_STOPPED = "The stop cannot be cleared: the simulation has stopped. Press Stop and next attempt."
 NO_EXERCISE = "This session has no exercise: there is nothing to restart."
 NO_PLAN = "There was no plan."
 
@@ -75,7 +76,7 @@ CAUSES = [  # more exact than the two above: a state, a part of its message, sen
     ("live picture", "failed", "There is no picture. The reason is in station_logs/simulator.log."),
     ("robot", "refuses our", "The robot's program refuses a part of the session. Its own messages say why."),
     ("robot", "version", "The robot's program is of another version. Use the same version on both computers."),
-    ("master to daemon link", "packets", "Most packets of the hands are refused. The text in brackets says what to do.")]
+    ("master to daemon link", "packets", "Most packets of the hands are refused: they do not have the form that this session expects.")]
 
 
 def severity(classes):
@@ -115,11 +116,11 @@ def answer(text):
     return ANSWERS.get(text) or sentence(text)
 
 
-def clear_refused(mode, pedal):
+def clear_refused(mode, pedal, robot_is_stopped):
     """Why the emergency stop was not cleared."""
     if mode != "stopped":
         return "Nothing is stopped."
-    return CLEAR_FIRST if pedal else ROBOT_STOPPED
+    return CLEAR_FIRST if pedal else ROBOT_STOPPED if robot_is_stopped else MODEL_STOPPED
 
 
 def injected(text, is_up):

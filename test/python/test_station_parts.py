@@ -156,8 +156,9 @@ def test_a_disengaged_robot_is_said():
 
 def test_answers_are_sentences():
     assert words.answer("accepted") == "Done." and words.answer("the hazard acts") == "The hazard acts."
-    assert "pedal is up" in words.clear_refused("stopped", True) and "itself" in words.clear_refused("stopped", False)
-    assert words.clear_refused("pedal_up", False) == "Nothing is stopped."
+    assert words.clear_refused("stopped", True, True) == words.CLEAR_FIRST and words.clear_refused("stopped", False, True) == words.ROBOT_STOPPED
+    assert words.clear_refused("stopped", False, False) == words.MODEL_STOPPED and words.clear_refused("pedal_up", False, False) == "Nothing is stopped."
+    assert not any("bracket" in sentences for _, _, sentences in words.CAUSES), "a trainee sees none"
     assert words.sentence("the trainer is not running") == "The trainer is not running." and words.sentence("Done.") == "Done."
 
 
@@ -1401,6 +1402,20 @@ def test_the_instructor_sees_the_state_of_the_robot(known):
     assert set(re.findall(r'"([^"]+)"', header.split("kRunLevelNames{")[1].split("}")[0])) == set(words.ROBOT) - {"no robot"}
 
 
+def test_a_page_learns_again_of_a_trainer_of_a_launch_file_that_was_silent(known):
+    station = station_module.Station(known, types.SimpleNamespace(trainees=list))
+    station.supervisor = types.SimpleNamespace(phase="idle", is_running=False, ended_at=0.0, trouble="", choice=None, state=lambda: {"choice": None})
+    station.link = types.SimpleNamespace(is_up=True, is_taken=False, send=lambda _: None)
+    got = []
+    station.clients[1] = types.SimpleNamespace(role="instructor", number=1, send=got.append)
+    for heard in (0.0, 9.0, 0.0):
+        station._daemon_heard = time.monotonic() - heard
+        station.newest["robot"] = {"t": "robot", "text": "ready"}
+        got.clear()
+        station.tick(time.monotonic())
+        assert ({"t": "robot", "text": "ready"} in got) == (heard == 0.0), heard
+
+
 def test_a_message_that_was_sent_in_part_ends_the_link():
     ours, theirs = socket.socketpair()
     ours.setblocking(False)
@@ -1429,10 +1444,11 @@ def test_answers_say_what_is_known_of_the_session(known):
     station.newest["mode"] = {"mode": "stopped", "pedal": True}
     assert station._answer_to("clear-stop", "not_now") == words.CLEAR_FIRST
     station.newest["mode"]["pedal"] = False
-    assert station._answer_to("clear-stop", "not_now") == words.ROBOT_STOPPED
+    assert station._answer_to("clear-stop", "not_now") == words.MODEL_STOPPED
     assert station._answer_to("clear-stop", "accepted") == "Done."
     station.statuses.hear([["robot", 0, "E-STOP"]])
-    assert station._answer_to("clear-stop", "accepted") == words.ROBOT_STOPPED
+    assert station._answer_to("clear-stop", "not_now") == words.ROBOT_STOPPED
+    assert station._answer_to("clear-stop", "accepted") == f"Your stop is cleared. {words.ROBOT_STOPPED}"
     assert station._answer_to("restart-exercise", "not_now") == words.NO_EXERCISE
     station.newest["exercise"] = {"status": "running"}
     assert station._answer_to("restart-exercise", "not_now") == words.PLANNING_ANSWERS["not_now"]
@@ -1444,6 +1460,9 @@ def test_answers_say_what_is_known_of_the_session(known):
     station.link.call = cancelled
     for was, says in (("idle", words.NO_PLAN), ("armed", "Done.")):
         assert asyncio.run(station.do("cancel-plan", {}))[1] == says
+
+
+def test_each_mode_and_each_clumsy_surgeon_is_in_words():
     clumsy = {name for path in (ROOT / "config/exercises").glob("*.yaml") for name in yaml.safe_load(path.read_text()).get("clumsy", {})}
     assert clumsy == set(words.CLUMSY), "each clumsy surgeon in words"
     header = (ROOT / "include/raven2_trainer/core/mode.h").read_text()
