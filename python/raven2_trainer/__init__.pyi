@@ -84,8 +84,11 @@ class State:
         """Contact points on each arm of the model."""
     @property
     def contact_points(self) -> NDArray[Any]:
-        """(n,) structured, a copy: all contacts of the last tick. a, b: bodies, by Simulation.body_names; depth [m]; position (3) [m, W];
+        """(n,) structured, a copy: contacts of the last tick, at most 64; bodies at rest have one a pair. a, b: bodies, by Simulation.body_names; depth [m]; position (3) [m, W];
         normal (3) from b to a; force (3) [N, W] on a, friction included."""
+    @property
+    def contacts_dropped(self) -> int:
+        """Contacts of the last tick that did not fit into contact_points."""
     @property
     def mode(self) -> str:
         """Mode of the trainer (doc/modes.md)."""
@@ -184,6 +187,7 @@ class VectorSimulation:
     runlevel: list[str]
     exercise: list[Mapping[str, Any]]
     contact_points: list[NDArray[Any]]
+    contacts_dropped: NDArray[np.int64]
     def __init__(self, n: int, exercise: Optional[str] = ..., hazard: Optional[str] = ..., seed: int = ..., threads: Optional[int] = ...,
                  output: Union[str, PathLike[str], None] = ..., **options: Any) -> None: ...
     def __len__(self) -> int: ...

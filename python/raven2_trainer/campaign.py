@@ -31,6 +31,7 @@ class Campaign:
         see the rows. RuntimeError has the program's text for what is wrong with the campaign itself.
         """
         output = pathlib.Path(output)
+        seed = whole_number("seed", seed, 0, 2**64 - 1)
         with tempfile.TemporaryDirectory(prefix="raven2_campaign_") as folder:
             command = [PROGRAM, self._file(folder), "--output", output, "--seed", str(seed), "--jobs",
                        str(len(os.sched_getaffinity(0)) if jobs is None else whole_number("jobs", jobs)), *(["--resume"] if resume else [])]

@@ -95,7 +95,7 @@ class Simulation(_core.Simulation):
 
 class VectorSimulation:
     """n simulations side by side on all cores, seeds `seed` to `seed + n - 1`. It has the arrays and numbers of a simulation's state,
-    with a first axis n; `mode`, `runlevel` and `exercise` are lists. `output`: simulation i records in its folder i."""
+    with a first axis n; `mode`, `runlevel`, `exercise` and `contact_points` are lists. `output`: simulation i records in its folder i."""
 
     LISTS = ("mode", "runlevel", "exercise", "contact_points")
 

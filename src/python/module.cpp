@@ -206,7 +206,9 @@ void addSimulation(py::module_* target) {
             return names;
           },
           doc("Simulation.object_names"))
-      .def_property_readonly("body_names", &Simulation::bodyNames, doc("Simulation.body_names"));
+      .def_property_readonly(
+          "body_names", [](const Simulation& self) { return withoutLock([&] { return self.bodyNames(); }); },
+          doc("Simulation.body_names"));
   addCommands(&simulation);
   addPictures(&simulation);
 }

@@ -172,6 +172,10 @@ void addWorld(py::class_<State>* target) {
           docOf("contacts"))
       .def_property_readonly("contact_points", &contactPoints, docOf("contact_points"))
       .def_property_readonly(
+          "contacts_dropped",
+          [](const State& s) { return withoutLock([&] { return s.simulation().contacts().dropped; }); },
+          docOf("contacts_dropped"))
+      .def_property_readonly(
           "true_joints",
           [](const State& s) {
             const auto q = withoutLock([&] { return s.simulation().trueJoints(); });

@@ -20,7 +20,8 @@ def teleoperation(simulation):
 
 
 def pedal_up(simulation):
-    simulation.step({"pedal": False}, ticks=10000)
+    simulation.start()
+    simulation.step({"pedal": False}, ticks=60000)  # homing counts for little
 
 
 def main():

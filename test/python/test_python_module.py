@@ -151,6 +151,9 @@ def test_contacts_are_listed_with_place_and_force():
             held = of_jaws_and_objects(points)
             if any(np.linalg.norm(p["force"]) > 0.1 for p in held):
                 break
+        else:
+            pytest.fail("nothing presses")
+        assert simulation.state.contacts_dropped == 0
         assert len(held) >= 2, "the jaws hold the ring"
         assert (points["a"] < points["b"]).all() and (points["depth"] >= 0).all()
         assert np.allclose(np.linalg.norm(points["normal"], axis=1), 1)
@@ -161,6 +164,20 @@ def test_contacts_are_listed_with_place_and_force():
         kept = points.copy()
         simulation.step(ticks=200)
         assert np.array_equal(points, kept), "a copy"
+
+
+def test_a_simulation_that_steps_in_a_thread_can_be_read_in_another():
+    with raven2_trainer.Simulation(robot="none") as simulation:
+        stepping = threading.Thread(target=simulation.step, kwargs={"ticks": 20000})
+        stepping.start()
+        read = 0
+        while stepping.is_alive():
+            assert len(simulation.body_names) > 10 and simulation.object_names is not None
+            state = simulation.state
+            assert len(state.contact_points) >= 0 and state.contacts_dropped == 0 and np.isfinite(state.true_joints).all()
+            read += 1
+        stepping.join()
+        assert read > 0 and simulation.state.tick >= 20000
 
 
 def test_many_side_by_side_are_as_each_alone():
@@ -1236,8 +1253,9 @@ def test_a_place_of_other_kinds_is_refused(kind):
 
 
 def test_a_campaigns_wrong_seed_is_said(tmp_path):
-    with pytest.raises(RuntimeError, match="--seed"):
-        raven2_trainer.Campaign({"name": "x"}).run(tmp_path / "out", seed=-1)
+    for seed in (-1, 2**64, 1.5, True, "1"):
+        with pytest.raises(ValueError, match="seed is"):
+            raven2_trainer.Campaign({"name": "x"}).run(tmp_path / "out", seed=seed)
 
 
 def test_a_start_may_take_as_long_as_its_limit():
