@@ -125,5 +125,14 @@ TEST(ExecutionTally, OfOneThatNeverBeganHasNoFigures) {
   EXPECT_EQ(tally.deviation(), 0.0);
 }
 
+TEST(ExecutionTally, GivesTheMostContactPointsNotTheLast) {
+  ExecutionTally tally;
+  tally.start(70, plan(), /*on_robot=*/true);
+  tally.begin(1000);
+  for (const std::uint32_t contacts : {5U, 2U, 0U})
+    tally.add(sample(0.012, 0.0001, 0.001, contacts));
+  EXPECT_EQ(tally.finish(ExecutionEnd::kFinished, 1003, 1.0).contact_points, 5U);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::control

@@ -1181,6 +1181,18 @@ INSTANTIATE_TEST_SUITE_P(Arms, AtALimit, ::testing::ValuesIn(kArms), [](const au
 INSTANTIATE_TEST_SUITE_P(Arms, EndsEarly, ::testing::ValuesIn(kArms), [](const auto& arm) {
   return std::string(name(arm.param));
 });
+TEST_P(ServoTargetTest, WhoLeavesWhileItsTwistRunsOutDoesNotSpeedItUp) {
+  ASSERT_EQ(twist({0.02, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  tick(200);  // half of the deceleration
+  const Vector3 before = target.pose().p;
+  tick();
+  const double step = (target.pose().p - before).norm();
+  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  const Vector3 after = target.pose().p;
+  tick();
+  EXPECT_LE((target.pose().p - after).norm(), step + 1e-9);
+}
+
 INSTANTIATE_TEST_SUITE_P(Arms, ServoTargetTest, ::testing::ValuesIn(kArms), [](const auto& arm) {
   return std::string(name(arm.param));
 });

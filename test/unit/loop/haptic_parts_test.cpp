@@ -434,5 +434,31 @@ TEST_F(HapticParts, AForcePacketHasItsOwnNumberAndTheNewestThatTheRobotTook) {
   }
 }
 
+TEST_F(Priority, TheGreenPortsAccountIsItsOwn) {
+  config.haptics.edge.enabled = false;
+  HapticState state;
+  for (int k = 0; k < 4000; ++k) {
+    const double phase = 2.0 * kPi * k / 200.0;
+    putTips(Arm::kGreen, {0.05, 0.003, 0.0});
+    at(robot.arms, Arm::kGreen).p_BT[2] -= 0.010 * std::cos(phase);
+    const Vector3 moved_B(0.0, 0.0, 0.0005 * std::sin(phase));
+    model.master_I[1] = toArray(control::itpToBase(Arm::kGreen).transpose() * moved_B);
+    state = tick();
+  }
+  EXPECT_EQ(state.gain[1], 0.0);
+  EXPECT_EQ(state.gain[0], 1.0);
+}
+
+TEST_F(HapticParts, APathOfTheGreenArmGuidesItByItsOwnTip) {
+  path.arm = Arm::kGreen;
+  putTips(Arm::kGold, {0.05, 0.0, 0.0});
+  putTips(Arm::kGreen, {0.05, 0.004, 0.0});
+  shared.guide_path.store(path);
+  model.guide_plan = 4;
+  const HapticState state = ticks(850);
+  EXPECT_NEAR(state.guidance_B[1][1], -0.4, kRounding);
+  EXPECT_EQ(state.guidance_B[0], Vec3{});
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

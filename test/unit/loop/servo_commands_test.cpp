@@ -873,5 +873,19 @@ TEST_F(ServoCommands, OfTheJawsEndWithAForceOnThem) {
   }
 }
 
+TEST_F(ServoCommands, APressRightBehindAClientsReleaseStaysDown) {
+  enable();
+  ServoCommand pause;
+  pause.kind = ServoKind::kState;
+  pause.state = StateCommand::kPause;
+  ASSERT_TRUE(shared->servo_commands.tryPush(pause));
+  tick(Heard::kNothing);
+  for (int i = 0; i < 50; ++i) {
+    tick(Heard::kDown);
+    EXPECT_FALSE(made) << i;
+    EXPECT_TRUE(pedal) << i;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

@@ -1139,5 +1139,23 @@ TEST_F(ServoManagerTest, AnArmThatWasLeftItsWeightIsHeldAgainOnceAClientAsksForI
   }
 }
 
+TEST_F(ServoManagerTest, AForceOfAClientThatIsGoneEnds) {
+  for (const Arm arm : kArms) {
+    alone([](TrainerConfig* config) { config->crtk.twist_timeout = 5.0; });
+    ASSERT_TRUE(c->enable());
+    c->rest(300);
+    ASSERT_EQ(c->ask(wrenchOf(arm, {0.0, 0.0, 15.0})), ServoRefusal::kNone);
+    c->rest(50);
+    ServoCommand left;
+    left.kind = ServoKind::kEndTwist;
+    left.arm = arm;
+    ASSERT_EQ(c->ask(left), ServoRefusal::kNone);
+    c->rest(500);
+    const Vec3 held = at(rig->model().arms, arm).p_BT;
+    c->rest(300);
+    EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, held), 2e-4) << name(arm);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

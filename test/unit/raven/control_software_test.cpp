@@ -473,5 +473,22 @@ TEST(ControlSoftware, EncoderOffsetsAreTheCountsOfEachMotorsZero) {
   }
 }
 
+TEST(ControlSoftware, TheReportHasDesiredAndMeasuredMotorAnglesAndTorques) {
+  Bench bench;
+  bench.bringTo(RunLevel::kPedalDown);
+  for (int k = 0; k < 20; ++k) {
+    wire::ItpPacket packet = bench.next();
+    packet.delx_um = packet.dely_um = packet.delz_um = {50, -50};
+    bench.send(packet);
+    bench.cycle();  // the arms rest
+  }
+  const RavenReport& report = bench.software.report();
+  for (const Arm arm : kArms) {
+    const std::size_t k = index(arm) * kChannels + channelOf(kInsertion);
+    EXPECT_GT(std::abs(report.mpos_d[k] - report.mpos[k]), 1e-3) << name(arm);
+    EXPECT_NE(report.tau[k], 0.0) << name(arm);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::raven

@@ -733,5 +733,30 @@ TEST(JudgeSignals, WhatIsShownOfARecordedSessionIsNearToNothing) {
   EXPECT_TRUE(std::isfinite(bench.judge->signals().tissue_distance));
 }
 
+TEST(JudgeSignals, AnObjectThatIsNotDueYetIsNoTarget) {
+  Bench bench(Bench::with({track({step({when(K::kTipNear, kNobody, 0, Hand::kAny, 1e-4)})}),
+                           track({step({when(K::kTipNear, kNobody, 1, Hand::kAny, 1e-4)})}, kBlockObject, 0)}));
+  bench.tip(Arm::kGold, {0.05, 0.02, 0.010});  // where the second track will want it
+  bench.tip(Arm::kGreen, {0.0, -0.5, 0.3});
+  bench.tick();
+  EXPECT_NEAR(bench.judge->signals().target_distance, std::sqrt(0.0025 + 0.0004 + 0.0009), 1e-12);
+}
+
+TEST(JudgeAlong, EachStepIsLedFromItsOwnBeginning) {
+  const Predicate along = when(K::kAlong, kRingObject, 0, Hand::kAny, 0.8);
+  Bench bench(Bench::with({track({step({along}), step({along})})}));
+  for (double at = 0.002; bench.done() == 0 && at < 0.03; at += 0.0005) {
+    thread(&bench, at);
+    bench.tick();
+  }
+  for (double at = 0.002; at < 0.0239; at += 0.0005) {
+    thread(&bench, at);
+    bench.tick();
+    ASSERT_EQ(bench.done(), 1) << at;
+  }
+  thread(&bench, 0.0241);
+  EXPECT_TRUE(isDone(&bench));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training::testing

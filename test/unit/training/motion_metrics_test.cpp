@@ -445,5 +445,24 @@ TEST(MotionMetrics, TakeTheForceOfEitherHand) {
   }
 }
 
+TEST(MotionMetrics, OfThreeStrokesTheMiddleOneCounts) {
+  const auto with = [](double ripple) {
+    return measure(6000, [=](double t) {
+      const double s = std::clamp(t - 2.0, 0.0, 1.0);
+      const double rough = s + ripple * std::sin(8.0 * kPi * s) / (8.0 * kPi);
+      return Vec3{0.05 * (minimumJerk(t, 1.0) + rough + minimumJerk(t - 4.0, 1.0)), 0.0, 0.0};
+    });
+  };
+  const HandMotion hand = gold(with(0.8));
+  ASSERT_EQ(hand.strokes, 3U);
+  EXPECT_NEAR(hand.stroke_sparc.value(), gold(measure(1500, straight(0.05, 1.0))).stroke_sparc.value(), 0.1);
+}
+
+TEST(MotionMetrics, ATwitchIsNoStroke) {
+  for (const double length : {0.25, 0.40}) {  // [s] at 20 mm/s
+    EXPECT_EQ(gold(measure(1500, between(0.5, 0.5 + length))).strokes, length > 0.3 ? 1U : 0U) << length;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

@@ -1065,5 +1065,24 @@ TEST(Injections, AtTheUsbBoundaryOutliveTheRobotsLink) {
   }
 }
 
+TEST(Injections, WithoutAnEffectHaveNotThatOfALaterOne) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 99, 0.001, 1);
+  feed(&metrics, 100, 1999, 0.001);
+  feed(&metrics, 2000, 2099, 0.005, 2);
+  EXPECT_EQ(metrics.result().injections.at(0).observe_tick, -1);
+  EXPECT_EQ(metrics.result().injections.at(1).observe_tick, 2000);
+}
+
+TEST(Injections, AreNotObservedBeforeTheyBegan) {
+  Accumulator metrics(makeHeader());
+  feed(&metrics, 0, 49, 0.001, 2);
+  feed(&metrics, 50, 199, 0.005, 2);
+  metrics.add(makeChange(makeTick(200, 0.005), 2, true, /*row=*/1));
+  feed(&metrics, 200, 299, 0.005, 2);
+  EXPECT_EQ(metrics.result().injections.at(0).observe_tick, 50);
+  EXPECT_EQ(metrics.result().injections.at(1).observe_tick, -1);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

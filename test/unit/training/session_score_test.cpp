@@ -994,5 +994,76 @@ TEST_F(SessionScoreTest, WhatIsDoneInAPauseIsUnknown) {
   EXPECT_EQ(response.verdict, Verdict::kNotJudged);
 }
 
+TEST_F(SessionScoreTest, EachHazardHasItsForceThoughTheOneBeforeIsStillWatched) {
+  begin();
+  for (Tick k = 0; k < 9000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    const bool acts = k % 4000 >= 2000 && k % 4000 < 2400;
+    if (k % 4000 == 2000 || k % 4000 == 2400) writer_->write(changeOf(record, 1, acts));
+    writer_->write(record);
+    HapticRecord haptic;
+    haptic.haptic.tick = record.model.tick;
+    if (acts) at(haptic.haptic.force_I, Arm::kGreen) = {0.0, 0.0, 1.5};
+    writer_->write(haptic);
+  }
+  const auto hazards = finish().hazards;
+  ASSERT_EQ(hazards.size(), 2U);
+  for (const HazardScore& hazard : hazards) {
+    EXPECT_EQ(hazard.response.cue_after, 0);
+    EXPECT_EQ(hazard.response.peak_force, 1.5);
+  }
+}
+
+TEST_F(SessionScoreTest, ADrillWhoseHazardNeverCameIsNotPassed) {
+  Band band;
+  band.metrics = {{"time", 9.0, 1.0, Better::kLower, 0.0}};
+  ScoreSettings settings = makeSettings();
+  settings.standard.band = &band;
+  for (const std::string drill : {"none", "sudden_jump"}) {
+    session::LogHeader header = makeHeader();
+    header.drill = drill;
+    begin(header);
+    writeTicks(writer_.get(), 0, 2000, 1, ExerciseStatus::kRunning);
+    writer_->write(makeExerciseTick(2000, 1, ExerciseStatus::kDone));
+    const std::optional<bool> passed = drill == "none" ? std::optional<bool>(true) : std::nullopt;
+    EXPECT_EQ(finish(settings).attempts.at(0).passed, passed) << drill;
+  }
+}
+
+/** A jump of the robot's green arm during a hazard. @param[in] is_up, is_lost by tick. */
+template <typename Up, typename Lost>
+void writeJump(session::LogWriter* writer, const Up& is_up, const Lost& is_lost) {
+  for (Tick k = 0; k < 9000; ++k) {
+    TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
+    record.robot.connected = 1;
+    const bool acts = k >= kInjection && k < kInjection + 400;
+    if (acts) at(record.robot.arms, Arm::kGreen).p_BT = {0.0, 0.01, 0.0};
+    record.model.pedal = is_up(k) ? 0 : 1;
+    if (k == kInjection || k == kInjection + 400) writer->write(changeOf(record, 1, acts));
+    if (!is_lost(k)) writer->write(record);
+  }
+}
+
+TEST_F(SessionScoreTest, RecordsThatWereLostShortenNoReaction) {
+  begin();
+  writeJump(
+      writer_.get(), [](Tick k) { return k >= kInjection + 900; },
+      [](Tick k) { return k >= kInjection + 450 && k < kInjection + 650; });
+  EXPECT_EQ(finish().hazards.at(0).response.deciding.after, 900);
+}
+
+TEST_F(SessionScoreTest, OneLongClutchIsNoHabit) {
+  begin();
+  const auto is_up = [](Tick k) {
+    const bool clutches = (k >= 100 && k < 200) || (k >= 300 && k < 400) || (k >= 500 && k < 1800);
+    return clutches || (k >= kInjection + 350 && k < kInjection + 2450);
+  };
+  writeJump(writer_.get(), is_up, [](Tick) { return false; });
+  ScoreSettings settings = makeSettings();
+  settings.response.right = {Response::kPedalUp};
+  EXPECT_EQ(finish(settings).hazards.at(0).response.verdict, Verdict::kRight);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training

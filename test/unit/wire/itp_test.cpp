@@ -352,5 +352,13 @@ TEST(Force, RefusesAnUnknownRunLevel) {
   EXPECT_EQ(decodeForce(bytes.data(), bytes.size(), &force), Reject::kOutOfRange);
 }
 
+TEST(ItpCheck, RejectsAPedalThatIsNeitherUpNorDown) {
+  for (const std::int32_t mode : {-1, 0, 1, 2, 256, 1 << 24}) {
+    ItpPacket packet;
+    packet.surgeon_mode = mode;
+    EXPECT_EQ(checkItp(packet, {2000}), mode == 0 || mode == 1 ? Reject::kNone : Reject::kOutOfRange) << mode;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::wire
