@@ -84,8 +84,8 @@ class State:
         """Contact points on each arm of the model."""
     @property
     def contact_points(self) -> NDArray[Any]:
-        """(n,) structured, a copy: contacts of the last tick, at most 64; bodies at rest have one a pair. a, b: bodies, by Simulation.body_names; depth [m]; position (3) [m, W];
-        normal (3) from b to a; force (3) [N, W] on a, friction included."""
+        """(n,) structured, a copy: contacts of the last tick, at most 64; bodies at rest have one a pair. a, b: numbers of
+        bodies, for Simulation.body_names; depth [m]; position (3) [m, W]; normal (3) from b to a; force (3) [N, W] on a, friction included."""
     @property
     def contacts_dropped(self) -> int:
         """Contacts of the last tick that did not fit into contact_points."""
@@ -154,7 +154,7 @@ class Simulation:
         """Names of the free objects, in the order of State.objects."""
     @property
     def body_names(self) -> Sequence[str]:
-        """Names of the links that State.contact_points counts."""
+        """Names of the bodies, by the numbers of State.contact_points."""
     @property
     def memory(self) -> int:
         """[bytes] of a snapshot."""

@@ -225,8 +225,9 @@ class Reach(Raven):
         return float(np.linalg.norm(self._goal - self._tip()))
 
     def _info(self):
-        return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0, "mistakes": sum(self._simulation.state.exercise["mistakes"].values()),
-                "hazard": self._simulation.state.hazard, "tick": self._simulation.state.tick, "variation": self._number}
+        return {"is_success": self._distance() < NEAR, "distance": self._distance(), "steps_done": 0,
+                "mistakes": sum(self._simulation.state.exercise["mistakes"].values()), "hazard": self._simulation.state.hazard,
+                "tick": self._simulation.state.tick, "variation": self._number}
 
     def _judge(self, info):
         return -info["distance"] / REACH + float(info["is_success"]), info["is_success"]

@@ -72,7 +72,7 @@ ADVICE = {
     "real camera": "Check the camera and its driver."}
 
 
-CAUSES = [  # more exact than the two above: a state, a part of its message, sentences
+CAUSES = [  # name of a state, a part of its message, sentences: used instead of PROBLEMS and ADVICE
     ("live picture", "failed", "There is no picture. The reason is in station_logs/simulator.log."),
     ("robot", "refuses our", "The robot's program refuses a part of the session. Its own messages say why."),
     ("robot", "version", "The robot's program is of another version. Use the same version on both computers."),
@@ -150,5 +150,5 @@ def health(statuses):
     if level == 0:
         return 0, "Everything works.", ""
     exact = [sentences for state, part, sentences in CAUSES if state == name and part in message]
-    sentences = exact or [PROBLEMS.get(name, "Something does not work as it should."), ADVICE.get(name, "")]
-    return level, " ".join(filter(None, sentences[:2])), f"{name}: {message}"
+    usual = " ".join(filter(None, (PROBLEMS.get(name, "Something does not work as it should."), ADVICE.get(name, ""))))
+    return level, next(iter(exact), usual), f"{name}: {message}"

@@ -1,6 +1,6 @@
 // Processor time of a tick of the whole stack in lockstep (console, daemon, virtual Raven), as a multiple of the time
-// that ODE's dWorldStep takes in the same ticks: recorded, without a log, and without the virtual Raven. The expert
-// does an exercise. Usage: stack_benchmark [TICKS]
+// that ODE's dWorldStep takes in the same ticks: recorded, without a log, and without the virtual Raven. Once with
+// the scripted strokes of a free session, once with the expert of an exercise. Usage: stack_benchmark [TICKS]
 
 #include <time.h>
 

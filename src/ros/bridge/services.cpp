@@ -125,7 +125,7 @@ bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& r
   if (next == mode) return true;
   simulator_.pause();
   response.success = client_.awaitMode(next);
-  response.message = !response.success       ? "not paused: the pedal came up in this moment"
+  response.message = !response.success       ? "not paused: the mode changed in this moment"
                      : next == Mode::kPaused ? "paused until the pedal goes down again"
                                              : "the model holds until the pedal goes down again; the timer goes on";
   return true;
