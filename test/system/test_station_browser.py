@@ -467,6 +467,7 @@ const said = (id, text) => { document.getElementById(id).textContent = text; };
 return arguments[0].map((mode, i) => {
   said("mode", mode);
   said("health", arguments[1][i % arguments[1].length]);
+  if (document.getElementById("robot")) said("robot", arguments[2][i % arguments[2].length]);
   return [...document.querySelectorAll("button, input, select")].map((e) => [e.id, e.getBoundingClientRect().x, e.getBoundingClientRect().y]);
 });
 """
@@ -484,8 +485,8 @@ def test_pages_fit_their_window_and_no_button_moves_under_the_pointer(browser, p
         assert label or not element.is_displayed(), element.get_attribute("outerHTML")
     healths = ["Everything works.", *("{1} ({2})".format(*words.health([
         (name, 1, "10 Hz, 640 x 360: less than configured, drawing takes too long")])) for name in words.ADVICE)]
-    layouts = browser.driver.execute_script(LAYOUT, list(words.MODES.values()), healths)
-    assert len(layouts[0]) > 5 and all(layout == layouts[0] for layout in layouts), "mode or health has moved a button"
+    layouts = browser.driver.execute_script(LAYOUT, list(words.MODES.values()), healths, ["", *words.ROBOT.values()])
+    assert len(layouts[0]) > 5 and all(layout == layouts[0] for layout in layouts), "mode, health or robot has moved a button"
 
 
 AXE = "axe-core@4.10.2"  # from the npm registry; not shipped

@@ -72,7 +72,7 @@ function showStation(message) {
   byId("take-hands").textContent = message.hands_away ? "Give the hands back" : "Take the hands away";
   if (!runs) {
     byId("mode").textContent = { idle: "No session", starting: "Starting", ending: "Ending" }[message.phase];
-    byId("robot").textContent = message.phase === "idle" ? "No session" : "";
+    byId("robot").textContent = "";
     byId("clear-stop").hidden = byId("end-replay").hidden = true;
   }
   if (message.foreign && !before.foreign) say({ ok: true, text: "This trainer was not started here. Set up and Stop belong to its launch file." });
