@@ -4,8 +4,9 @@ namespace raven2_trainer::loop {
 namespace {
 
 RequestKind planningPressed(Mode mode) noexcept {
-  if (mode == Mode::kChoosing) return RequestKind::kRecordGoal;
-  return mode == Mode::kPlanning ? RequestKind::kCancelPlan : RequestKind::kBeginPlanning;
+  const Seeks seeks = traitsOf(mode).seeks;
+  if (seeks == Seeks::kGoal) return RequestKind::kRecordGoal;
+  return seeks == Seeks::kPath ? RequestKind::kCancelPlan : RequestKind::kBeginPlanning;
 }
 
 RequestKind simulationPressed(Mode mode) noexcept {

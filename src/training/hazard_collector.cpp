@@ -39,23 +39,6 @@ double cueForce(const HapticState& haptic, const DaemonFaults& faults, Arm arm) 
   return norm(force);
 }
 
-/** The model may be away from a robot that is healthy. */
-bool isApart(const ModelState& model) {
-  switch (model.mode) {
-    case Mode::kWaiting:
-    case Mode::kPedalUp:
-    case Mode::kTeleoperating:
-    case Mode::kStopped:
-    case Mode::kPaused:
-    case Mode::kCameraMoving:
-      return false;
-    case Mode::kExecuting:
-      return model.linked == 0;
-    default:
-      return true;
-  }
-}
-
 /** Whether a fault of that name that began from `from` to `to` still acts at a time. */
 bool acts(const std::vector<Injection>& injections, const std::string& name, Tick from, Tick to, Tick at) {
   return std::any_of(injections.begin(), injections.end(), [&](const Injection& injection) {
@@ -186,7 +169,7 @@ HandSample HazardCollector::sampleOf(const TickRecord& record) const {
   const ModeTraits traits = traitsOf(model.mode);
   sample.leads = traits.hands && mayMoveRobot(traits.moves) ? 1 : 0;
   sample.executes = traits.follows_plan && mayMoveRobot(traits.moves) ? 1 : 0;
-  sample.apart = isApart(model) ? 1 : 0;
+  sample.apart = isApart(model.mode, model.linked != 0) ? 1 : 0;
   sample.master_I = model.master_I;
   for (const Arm arm : kArms) {
     at(sample.model_B, arm) = at(model.arms, arm).p_BT;

@@ -69,6 +69,9 @@ enum class WorldMotion : std::uint8_t {
 /** Practice with the model alone, to which a mode belongs. */
 enum class Practice : std::uint8_t { kNone, kSimulation, kTrial };
 
+/** The part of a plan that is missing: the goal, which the masters choose, or the path, which the planner computes. */
+enum class Seeks : std::uint8_t { kNothing, kGoal, kPath };
+
 /** Properties of a mode: a row of traitsOf(). A test compares them with the table in doc/modes.md. */
 struct ModeTraits {
   ActivityKind activity{ActivityKind::kHold};
@@ -78,6 +81,7 @@ struct ModeTraits {
   bool keeps_plan{};    ///< a plan stays; else it is deleted
   bool keeps_trial{};   ///< a virtual trial stays
   bool keeps_repeat{};  ///< a requested or running repetition of a trial stays
+  bool keeps_scene{};   ///< the scene stays as a virtual trial left it; else it goes back to the trial's start
   bool clients_hold{};  ///< a CRTK client may hold the pedal
   bool begins{};        ///< the session's clock starts with this mode
   bool timed{};         ///< an exercise's timer runs
@@ -86,7 +90,9 @@ struct ModeTraits {
   bool may_replay{};    ///< a replay may start from this mode
   bool may_restart{};   ///< the exercise may restart: nothing moves, so no object is taken from between the jaws
   bool follows_robot{};  ///< the model follows a robot that is connected
+  bool leaves_robot{};   ///< the model leaves a healthy robot on purpose, unless it moves the robot too (isApart)
   Practice practice{};
+  Seeks seeks{};
 };
 
 constexpr bool kYes = true, kNo = false;
@@ -97,31 +103,38 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
   using M = Moves;
   using W = WorldMotion;
   using P = Practice;
+  using S = Seeks;
   switch (mode) {
       // clang-format off
-                                    //                                                hands plan   trial  repeat clients
-                                    // begins timed judged follows replay restart follows_robot practice
-    case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, P::kNone};
-    case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes, kYes, kYes, P::kNone};
-    case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kPlanning:       return {A::kPlanning,      M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStill,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfAsked, W::kMeets,  kNo,  kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kSimulation};
-    case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kYes, kNo,  P::kSimulation};
-    case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kTrial};
-    case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kTrial};
-    case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStill,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone};
-    case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  P::kNone};
+                                    //                                                hands plan   trial  repeat scene clients
+                                    // begins timed judged follows replay restart follows_robot leaves_robot practice seeks
+    case Mode::kWaiting:        return {A::kHold,          M::kNothing,    W::kPasses, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  P::kNone,       S::kNothing};
+    case Mode::kPedalUp:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kYes, kYes, kYes, kNo,  P::kNone,       S::kNothing};
+    case Mode::kTeleoperating:  return {A::kTeleoperation, M::kBoth,       W::kMeets,  kYes, kYes, kNo,  kNo,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone,       S::kNothing};
+    case Mode::kPlanning:       return {A::kPlanning,      M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kPath};
+    case Mode::kTracking:       return {A::kPlanning,      M::kModel,      W::kMeets,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kYes, kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kStopped:        return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone,       S::kNothing};
+    case Mode::kPaused:         return {A::kHold,          M::kNothing,    W::kMeets,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone,       S::kNothing};
+    case Mode::kChoosing:       return {A::kGoalSelection, M::kNothing,    W::kStill,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kGoal};
+    case Mode::kArmed:          return {A::kExecution,     M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kExecuting:      return {A::kExecution,     M::kBothIfAsked, W::kMeets,  kNo,  kYes, kYes, kYes, kYes, kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kSimulating:     return {A::kTeleoperation, M::kModel,      W::kMeets,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kSimulation, S::kNothing};
+    case Mode::kSimulationHeld: return {A::kHold,          M::kModel,      W::kMeets,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, kYes, kNo,  kNo,  kYes, kNo,  kYes, P::kSimulation, S::kNothing};
+    case Mode::kTrial:          return {A::kTrial,         M::kModel,      W::kMeets,  kYes, kNo,  kYes, kNo,  kYes, kNo,  kYes, kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kTrial,      S::kNothing};
+    case Mode::kTrialHeld:      return {A::kTrial,         M::kModel,      W::kMeets,  kNo,  kNo,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kTrial,      S::kNothing};
+    case Mode::kTrialReady:     return {A::kTrial,         M::kNothing,    W::kMeets,  kNo,  kNo,  kYes, kNo,  kYes, kNo,  kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kReturning:      return {A::kReturning,     M::kNothing,    W::kPasses, kNo,  kYes, kYes, kYes, kYes, kNo,  kNo,  kYes, kNo,  kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kReplaying:      return {A::kReplay,        M::kNothing,    W::kStill,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kNo,  kYes, P::kNone,       S::kNothing};
+    case Mode::kCameraMoving:   return {A::kCamera,        M::kNothing,    W::kMeets,  kNo,  kYes, kYes, kNo,  kYes, kYes, kNo,  kYes, kYes, kNo,  kNo,  kNo,  kNo,  kNo,  P::kNone,       S::kNothing};
       // clang-format on
   }
   return {};  // invalid mode
+}
+
+/** Whether the model may be away from a healthy robot. Real-time safe. @param[in] is_linked ModelState::linked. */
+constexpr bool isApart(Mode mode, bool is_linked) noexcept {
+  const ModeTraits traits = traitsOf(mode);
+  return traits.leaves_robot && !(is_linked && mayMoveRobot(traits.moves));
 }
 
 }  // namespace raven2_trainer

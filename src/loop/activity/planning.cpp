@@ -64,7 +64,7 @@ void Planning::settle(Mode next, Event /*event*/) noexcept {
 void Planning::leave(Mode next) noexcept {
   if (mode() != Mode::kTracking) return;
   follower_.stop();
-  const bool plans_again = next == Mode::kChoosing || next == Mode::kPlanning;
+  const bool plans_again = traitsOf(next).seeks != Seeks::kNothing;
   if (plans_again && stage_.robot.isThere()) stage_.arms.join(stage_.robot.joints());
 }
 

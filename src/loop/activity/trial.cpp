@@ -54,8 +54,7 @@ void Trial::keep() noexcept {
 }
 
 void Trial::endRehearsal() noexcept {
-  const bool waits = traitsOf(mode()).keeps_trial || mode() == Mode::kStopped || mode() == Mode::kPaused;
-  if (!rehearses_ || waits) return;
+  if (!rehearses_ || traitsOf(mode()).keeps_scene) return;
   stage_.arms.world().restoreScene(scene_);
   rehearses_ = false;
 }

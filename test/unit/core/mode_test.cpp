@@ -14,20 +14,25 @@ constexpr std::array<const char*, kActivityCount> kActivityNames{
     "execution", "trial", "planning", "hold", "teleoperation", "goal selection", "returning", "replay", "camera"};
 constexpr std::array<const char*, 4> kMovesNames{"", "model", "both", "both if asked"};
 constexpr std::array<const char*, 3> kWorldNames{"meets", "passes", "still"};
-constexpr std::array<const char*, 3> kPracticeNames{" |", " simulation |", " trial |"};
+constexpr std::array<const char*, 3> kPracticeNames{"", "simulation", "trial"};
+constexpr std::array<const char*, 3> kSeeksNames{"", "goal", "path"};
+
+std::string cell(const char* text) {
+  return std::string(" |") + (*text != '\0' ? " " : "") + text;
+}
 
 /** The page's row of a mode. */
 std::string rowOf(std::size_t mode) {
   const ModeTraits t = traitsOf(static_cast<Mode>(mode));
   std::string row = std::string("| ") + kModeNames[mode];
-  for (const char* cell :
-       {kActivityNames[static_cast<std::size_t>(t.activity)], kMovesNames[static_cast<std::size_t>(t.moves)],
-        kWorldNames[static_cast<std::size_t>(t.world)]})
-    row += std::string(" |") + (*cell != '\0' ? " " : "") + cell;
-  for (const bool mark : {t.hands, t.keeps_plan, t.keeps_trial, t.keeps_repeat, t.clients_hold, t.begins, t.timed,
-                          t.judged, t.follows_plan, t.may_replay, t.may_restart, t.follows_robot})
-    row += mark ? " | x" : " |";
-  return row + " |" + kPracticeNames[static_cast<std::size_t>(t.practice)];
+  row += cell(kActivityNames[static_cast<std::size_t>(t.activity)]) +
+         cell(kMovesNames[static_cast<std::size_t>(t.moves)]) + cell(kWorldNames[static_cast<std::size_t>(t.world)]);
+  for (const bool mark :
+       {t.hands, t.keeps_plan, t.keeps_trial, t.keeps_repeat, t.keeps_scene, t.clients_hold, t.begins, t.timed,
+        t.judged, t.follows_plan, t.may_replay, t.may_restart, t.follows_robot, t.leaves_robot})
+    row += cell(mark ? "x" : "");
+  return row + cell(kPracticeNames[static_cast<std::size_t>(t.practice)]) +
+         cell(kSeeksNames[static_cast<std::size_t>(t.seeks)]) + " |";
 }
 
 /** Lines of the table of doc/modes.md whose first column is a mode. */
@@ -69,6 +74,21 @@ TEST(ModeTraits, GoTogether) {
     EXPECT_TRUE(!t.follows_robot || t.moves == Moves::kNothing) << kModeNames[mode];
     EXPECT_TRUE(t.practice == Practice::kNone || t.moves == Moves::kModel) << kModeNames[mode];
     EXPECT_TRUE(t.practice != Practice::kTrial || t.keeps_trial) << kModeNames[mode];
+    EXPECT_TRUE(t.practice == Practice::kNone || t.leaves_robot) << kModeNames[mode];
+    EXPECT_TRUE(!t.keeps_trial || t.keeps_scene) << kModeNames[mode];
+    EXPECT_TRUE(!t.follows_robot || !t.leaves_robot) << kModeNames[mode];
+    EXPECT_TRUE(!t.follows_plan || t.leaves_robot) << kModeNames[mode];
+    EXPECT_TRUE(t.moves != Moves::kBoth || !t.leaves_robot) << kModeNames[mode];
+    EXPECT_TRUE(t.seeks == Seeks::kNothing || !t.keeps_plan) << kModeNames[mode];
+  }
+}
+
+// Only an execution may be either with the robot or with the model alone.
+TEST(ModeTraits, AModelThatIsLinkedIsApartInModesThatDoNotMoveTheRobot) {
+  for (std::size_t i = 0; i < kModeCount; ++i) {
+    const auto mode = static_cast<Mode>(i);
+    EXPECT_EQ(isApart(mode, false), traitsOf(mode).leaves_robot) << kModeNames[i];
+    EXPECT_EQ(isApart(mode, true), traitsOf(mode).leaves_robot && mode != Mode::kExecuting) << kModeNames[i];
   }
 }
 

@@ -720,13 +720,14 @@ TEST_F(SessionScoreTest, AnEmergencyStopIsAnAnswerByRequestAndByPedal) {
 }
 
 /** Two faults of 100 ms, 4 s apart, each with its own touches; while `is_lost`, the robot's pose is invalid. */
-void writeTwoFaults(session::LogWriter* writer, Arm arm) {
+void writeTwoFaults(session::LogWriter* writer, Arm arm, Mode mode = Mode::kTeleoperating, bool is_linked = true) {
   for (Tick k = 0; k < 9000; ++k) {
     TickRecord record = makeExerciseTick(k, 1, ExerciseStatus::kRunning);
     const Tick phase = k % 4000;
     const bool is_lost = phase >= 2050 && phase < 2060;
     record.robot.connected = is_lost ? 0 : 1;
-    record.model.linked = is_lost ? 0 : 1;
+    record.model.mode = mode;
+    record.model.linked = is_lost || !is_linked ? 0 : 1;
     if (is_lost) at(record.robot.arms, arm).p_BT = {3.0, 0.0, 0.0};
     if (phase >= 2000 && phase < 2050) at(record.robot.arms, arm).p_BT = {0.0, 0.0, k < 4000 ? 0.01 : 0.02};
     if (phase == 2000 || phase == 2100) {
@@ -760,6 +761,17 @@ TEST_F(SessionScoreTest, EachHazardHasItsOwnTouchesAndDistancesOfEitherArm) {
       EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].count, i + 1);
       EXPECT_EQ(response.touches[static_cast<std::size_t>(Partner::kTower)].ticks, static_cast<Tick>(i) + 1);
     }
+  }
+}
+
+TEST_F(SessionScoreTest, AModelThatExecutesAPlanAloneHasNoDistanceToTheRobot) {
+  for (const bool is_linked : {true, false}) {
+    begin();
+    writeTwoFaults(writer_.get(), Arm::kGold, Mode::kExecuting, is_linked);
+    const std::vector<HazardScore> hazards = finish().hazards;
+    ASSERT_FALSE(hazards.empty());
+    EXPECT_NEAR(hazards[0].response.excursion, 0.01, 1e-12) << is_linked;
+    EXPECT_NEAR(hazards[0].response.error, is_linked ? 0.01 : 0.0, 1e-12) << is_linked;
   }
 }
 
