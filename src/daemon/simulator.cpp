@@ -377,10 +377,6 @@ bool Simulator::recorded() const noexcept {
   return !impl_->record_failed;
 }
 
-void Simulator::pause() noexcept {
-  impl_->physics.requestPause();
-}
-
 std::uint32_t Simulator::openReplay(const std::string& path) {
   return impl_->player.open(path);
 }

@@ -6,6 +6,7 @@
 #include "loop/exercise_runner.h"
 #include "loop/loop_faults.h"
 #include "loop/master_intake.h"
+#include "loop/operator_pauses.h"
 #include "loop/robot_relay.h"
 #include "loop/servo_manager.h"
 #include "loop/stage.h"
@@ -65,7 +66,8 @@ PhysicsLoop::~PhysicsLoop() = default;
 
 void PhysicsLoop::tick(std::int64_t now_ns) noexcept {
   Parts& p = *parts_;
-  if (p.pause_requested.exchange(false, std::memory_order_relaxed)) p.timeSlip();
+  const bool is_paused = takePauses(p.stage);
+  if (p.pause_requested.exchange(false, std::memory_order_relaxed) || is_paused) p.timeSlip();
   // what arrived since the last tick
   p.readInputs(now_ns);
   p.activities.watchRobot();

@@ -47,6 +47,7 @@ constexpr std::array<const char*, kPlanningAnswerCount> kPlanningAnswerNames{
 struct RequestAnswer {
   std::uint32_t id{};
   PlanningAnswer answer{PlanningAnswer::kNone};
+  Mode mode{Mode::kWaiting};  ///< only of a pause: the mode after it
 };
 
 /** Planning and execution at the end of one tick. */

@@ -54,9 +54,6 @@ class Simulator {
 
   SimulatorState state() const;
 
-  /** Pauses the exercise and unlinks the robot until the next pedal-down. Any thread. */
-  void pause() noexcept;
-
   /** Zero force first, pedal up to the robot, then the other threads, then the session's files. Safe to call twice. */
   void stop();
 

@@ -45,7 +45,7 @@ class PhysicsLoop {
 
   /** Simulated time was lost (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down. */
   void timeSlip() noexcept;
-  /** The same at the next tick, from any thread: another loop lost time, or an operator requests a pause. */
+  /** The same at the next tick, from any thread: another loop lost time. */
   void requestPause() noexcept;
 
   /** Inputs of fault triggers, from the next tick on. Call it in the thread of tick(). */

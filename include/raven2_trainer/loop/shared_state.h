@@ -107,6 +107,8 @@ struct SharedState {
   SpscRing<MasterCommand, 256> master_commands;
   // ros -> physics
   SpscRing<Request, 32> requests;
+  // ros -> physics: ids of operators' pauses, each answered. Not in ringCounts(): the caller learns of a full ring.
+  SpscRing<std::uint32_t, 8> pause_requests;
   // ingest -> physics: requests of pedals and buttons other than the engaging pedal
   SpscRing<Request, 32> pedal_requests;
   // ros (crtk) -> physics

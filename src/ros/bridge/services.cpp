@@ -4,10 +4,10 @@
 
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/trainer_config.h"
-#include "raven2_trainer/control/mode_table.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/loop/fault_director.h"
+#include "ros/node/fill_response.h"
 
 namespace raven2_trainer::ros_bridge {
 Services::Services(ros::NodeHandle* node, daemon::Simulator* simulator, PlanningClient* client, bool may_command)
@@ -114,20 +114,16 @@ bool Services::disengage(std_srvs::Trigger::Request&, std_srvs::Trigger::Respons
   return post(RequestKind::kDisengage, &response);
 }
 
-/** A refused one does nothing: lost time deletes the plan in every mode. */
 bool Services::pause(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const Mode mode = client_.mode();
-  const Mode next = control::nextMode(mode, control::Event::kTimeSlip);
-  response.success = mode == Mode::kPaused;
-  response.message = response.success
+  const PlanningClient::Asked asked =
+      client_.askBy([this](std::uint32_t id) { return simulator_.shared().pause_requests.tryPush(id); });
+  const std::string mode = kModeNames[static_cast<std::size_t>(asked.mode)];
+  response.success = asked.answer == PlanningAnswer::kAccepted;
+  response.message = asked.answer == PlanningAnswer::kNone ? words(asked.answer)
+                     : !response.success                   ? "nothing to pause in mode " + mode
+                     : asked.mode == Mode::kPaused
                          ? "paused until the pedal goes down again"
-                         : "nothing to pause in mode " + std::string(kModeNames[static_cast<std::size_t>(mode)]);
-  if (next == mode) return true;
-  simulator_.pause();
-  response.success = client_.awaitMode(next);
-  response.message = !response.success       ? "not paused: the mode changed in this moment"
-                     : next == Mode::kPaused ? "paused until the pedal goes down again"
-                                             : "the model holds until the pedal goes down again; the timer goes on";
+                         : "the model holds until the pedal goes down again; the timer goes on";
   return true;
 }
 

@@ -15,7 +15,8 @@
 namespace raven2_trainer::ros_bridge {
 
 /** start_hazard, inject_hazard, stop_hazard, engage, disengage, pause, {gold,green}/set_collisions: each only posts a
- *  request, but pause, which waits for the mode, at most half a second. It refuses where nothing would be paused. */
+ *  request, but pause, which waits for its answer, at most half a second. The loop refuses a pause where nothing would
+ *  be paused. */
 class Services {
  public:
   /**

@@ -84,9 +84,12 @@ bool TrainingServices::repeatTrial(RepeatTrial::Request& message, RepeatTrial::R
 
 /** Posted before anything else: who waits for an answer holds it up no longer than it takes to post. */
 bool TrainingServices::emergencyStop(std_srvs::Trigger::Request&, std_srvs::Trigger::Response& response) {
-  const bool is_posted = client_.post(requestOf(RequestKind::kEmergencyStop));
-  const bool has_stopped = is_posted && client_.awaitMode(Mode::kStopped);
-  return sendPlain(has_stopped ? PlanningAnswer::kAccepted : PlanningAnswer::kNone, &response);
+  const PlanningClient::Asked asked = client_.askBy([this](std::uint32_t id) {
+    Request request = requestOf(RequestKind::kEmergencyStop);
+    request.id = id;
+    return client_.post(request);
+  });
+  return sendPlain(asked.answer, &response);
 }
 
 }  // namespace raven2_trainer::ros_bridge

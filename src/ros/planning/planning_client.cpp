@@ -48,18 +48,27 @@ std::optional<Answer> PlanningClient::find(Ring* ring, std::deque<Answer>* kept,
 }
 
 PlanningClient::Asked PlanningClient::ask(Request request) {
-  request.id = shared_.next_request.fetch_add(1);
-  Asked asked{request.id, PlanningAnswer::kNone};
-  plan(request.id);  // so that the rings have room for what comes of it
-  execution(request.id);
-  if (!post(request)) return asked;
-  await(kAnswerTime, [&] {
-    const auto answer = find(&shared_.answers, &answers_, request.id);
-    asked.answer = answer ? answer->answer : PlanningAnswer::kNone;
-    return answer.has_value();
+  bool is_posted = false;
+  const Asked asked = askBy([&](std::uint32_t id) {
+    request.id = id;
+    plan(id);  // so that the rings have room for what comes of it
+    execution(id);
+    is_posted = post(request);
+    return is_posted;
   });
   // A client that got no answer must not find a robot armed by it later. The ring keeps the order.
-  if (asked.answer == PlanningAnswer::kNone && armsSomething(request.kind)) postCancel();
+  if (is_posted && asked.answer == PlanningAnswer::kNone && armsSomething(request.kind)) postCancel();
+  return asked;
+}
+
+PlanningClient::Asked PlanningClient::askBy(const std::function<bool(std::uint32_t id)>& send) {
+  Asked asked{shared_.next_request.fetch_add(1), PlanningAnswer::kNone, Mode::kWaiting};
+  if (!send(asked.id)) return asked;
+  await(kAnswerTime, [&] {
+    const auto found = find(&shared_.answers, &answers_, asked.id);
+    if (found) asked = {found->id, found->answer, found->mode};
+    return found.has_value();
+  });
   return asked;
 }
 
@@ -93,10 +102,6 @@ std::optional<PlanResult> PlanningClient::awaitPlan(std::uint32_t id, double lim
 
 std::optional<ExecutionReport> PlanningClient::execution(std::uint32_t id) {
   return find(&shared_.execution_answers, &executions_, id);
-}
-
-bool PlanningClient::awaitMode(Mode mode) {
-  return await(kAnswerTime, [&] { return this->mode() == mode; });
 }
 
 PlanningState PlanningClient::state() const {

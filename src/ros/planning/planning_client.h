@@ -13,8 +13,8 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * Posts requests to the physics loop, and takes its answers. The one producer of its ring of requests and the one
- * consumer of its rings of answers, so all requests of a node go through here. Any thread but a real-time one: ask()
- * and await...() wait.
+ * consumer of its rings of answers, so all requests of a node go through here. Any thread but a real-time one: ask...()
+ * and awaitPlan() wait.
  */
 class PlanningClient {
  public:
@@ -32,12 +32,18 @@ class PlanningClient {
   struct Asked {
     std::uint32_t id{};  ///< that the request got: PlanResult::id, ExecutionReport::id
     PlanningAnswer answer{PlanningAnswer::kNone};
+    Mode mode{Mode::kWaiting};  ///< RequestAnswer::mode
   };
   /**
    * Gives a request its own id and waits for the loop's answer, at most half a second.
    * @return kNone if there was no answer; an execution or repetition that was asked for is called off then.
    */
   Asked ask(Request request);
+  /**
+   * As ask(), for a pause or a stop: posts before anything else, and calls nothing off.
+   * @param[in] send posts what asks, with this id. @return false: there will be no answer.
+   */
+  Asked askBy(const std::function<bool(std::uint32_t id)>& send);
 
   struct Cancelled {
     PlanningStatus was{PlanningStatus::kIdle};     ///< before
@@ -55,9 +61,6 @@ class PlanningClient {
 
   /** The report of the execution that this request began, once it is over; the dozen that came last are kept. */
   std::optional<ExecutionReport> execution(std::uint32_t id);
-
-  /** Waits for a mode as long as for an answer. @return false if it did not come. */
-  bool awaitMode(Mode mode);
 
   PlanningState state() const;
   Mode mode() const;

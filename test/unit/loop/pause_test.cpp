@@ -112,6 +112,33 @@ TEST_F(Pause, AnotherThreadsLostTimePausesAtTheNextTick) {
   EXPECT_EQ(rig->model().mode, Mode::kPaused);
 }
 
+/** Each is answered once. */
+TEST_F(Pause, AnOperatorsPauseIsAnsweredAndRefusedWhereNothingWouldBePaused) {
+  const auto pause = [this](std::uint32_t id, bool pedal) {
+    EXPECT_TRUE(rig->shared->pause_requests.tryPush(id));
+    rest(pedal, 1);
+    const ModelState model = rig->model();
+    RequestAnswer answer;
+    EXPECT_TRUE(rig->shared->answers.tryPop(&answer));
+    EXPECT_EQ(answer.id, id);
+    EXPECT_EQ(answer.mode, model.mode);
+    EXPECT_NE(model.planning.answered, id) << "resimulation does not know it";
+    return answer.answer;
+  };
+  rest(false, 10);
+  EXPECT_EQ(pause(1001, false), PlanningAnswer::kNotNow);
+  EXPECT_EQ(rig->model().mode, Mode::kPedalUp);
+  rest(true, 200);
+  EXPECT_EQ(pause(1002, true), PlanningAnswer::kAccepted);
+  EXPECT_EQ(rig->model().mode, Mode::kPaused);
+  EXPECT_EQ(pause(1003, true), PlanningAnswer::kAccepted) << "it is paused";
+  rest(false, 100);
+  rest(true, 1);
+  EXPECT_EQ(rig->model().mode, Mode::kTeleoperating);
+  RequestAnswer none;
+  EXPECT_FALSE(rig->shared->answers.tryPop(&none));
+}
+
 TEST_F(Pause, AWantedPlanIsForgottenAndRefusedLaterOn) {
   rest(true, 10);
   rest(false, 10);

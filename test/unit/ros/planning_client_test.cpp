@@ -58,15 +58,41 @@ TEST_F(PlanningClientTest, WhatArmsNothingIsNotCalledOff) {
   EXPECT_EQ(loop.seen.size(), 1U);
 }
 
-TEST_F(PlanningClientTest, WaitsForAModeAsLongAsForAnAnswer) {
-  loop.on_tick = [this](int tick) {
-    if (tick == 30) loop.mode = Mode::kStopped;
+/** The mode that a stop leads to is over before the client looks, or was there before. Only the answer counts. */
+TEST_F(PlanningClientTest, AStopIsConfirmedByItsAnswerInAnyMode) {
+  const auto stop = [this] {
+    return client.askBy([this](std::uint32_t id) {
+      Request request = requestOf(RequestKind::kEmergencyStop);
+      request.id = id;
+      return client.post(request);
+    });
   };
+  loop.on_request = [this](const Request& request) { loop.answer(request, PlanningAnswer::kAccepted); };
+  loop.mode = Mode::kPedalUp;
   loop.tell();
-  EXPECT_TRUE(client.awaitMode(Mode::kStopped));
-  EXPECT_EQ(loop.ticks, 30);
-  EXPECT_FALSE(client.awaitMode(Mode::kTrial));
-  EXPECT_LE(loop.ticks, 1000);
+  EXPECT_EQ(stop().answer, PlanningAnswer::kAccepted);
+  EXPECT_EQ(loop.ticks, 1);
+  loop.on_request = [](const Request&) {};
+  loop.mode = Mode::kStopped;
+  loop.tell();
+  EXPECT_EQ(stop().answer, PlanningAnswer::kNone);
+}
+
+TEST_F(PlanningClientTest, APauseIsAnsweredWithTheModeAfterIt) {
+  std::uint32_t asked_id = 0;
+  loop.on_tick = [&](int tick) {
+    if (tick == 3) loop.shared.answers.tryPush({asked_id, PlanningAnswer::kAccepted, Mode::kPaused});
+  };
+  const PlanningClient::Asked asked = client.askBy([&](std::uint32_t id) {
+    asked_id = id;
+    return true;
+  });
+  EXPECT_EQ(asked.id, asked_id);
+  EXPECT_EQ(asked.answer, PlanningAnswer::kAccepted);
+  EXPECT_EQ(asked.mode, Mode::kPaused);
+  EXPECT_EQ(loop.ticks, 3);
+  EXPECT_EQ(client.askBy([](std::uint32_t) { return false; }).answer, PlanningAnswer::kNone);
+  EXPECT_EQ(loop.ticks, 3) << "the client waited for what was never sent";
 }
 
 TEST_F(PlanningClientTest, AnAnswerStaysWhateverComesAfterIt) {
