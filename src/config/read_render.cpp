@@ -65,6 +65,8 @@ void readVideo(Section video, const std::vector<std::string>& names, RenderConfi
 
 void readLive(Section live, const std::vector<std::string>& names, RenderConfig* c) {
   c->live_camera = live.text("camera", names);
+  // Earlier configurations, also those that sessions keep, do not name one.
+  c->live_second = live.has("second") ? live.text("second", names) : c->live_camera;
   c->live_width = static_cast<int>(live.integer("width", 64, 4096));
   c->live_height = static_cast<int>(live.integer("height", 64, 4096));
   c->live_fps = static_cast<int>(live.integer("fps", 1, 120));

@@ -18,6 +18,7 @@ namespace raven2_trainer::daemon {
 
 namespace {
 
+constexpr std::int64_t kSecondLatest = 1'000'000'000;  // [ns] ours: between two pictures of the second camera
 constexpr auto kUnwatchedNs = static_cast<std::int64_t>(RenderLoop::kUnwatchedPeriod * 1e9);
 
 int scaled(int pixels, double scale) {
@@ -73,7 +74,8 @@ RenderLoop::RenderLoop(const TrainerConfig& config,
       contacts_(body_names),
       cameras_{model::requireCamera(config.render.cameras, config.render.live_camera),
                model::requireCamera(config.render.cameras, config.render.stereo.camera + "_left"),
-               model::requireCamera(config.render.cameras, config.render.stereo.camera + "_right")},
+               model::requireCamera(config.render.cameras, config.render.stereo.camera + "_right"),
+               model::requireCamera(config.render.cameras, config.render.live_second)},
       pace_(config.render) {
   stage_.emplace(config_, raven_, scene_, pace_.level().scale);
 }
@@ -111,26 +113,30 @@ render::Snapshot RenderLoop::newest() {
 }
 
 /** If the eyes are exchanged, the published camera stays the right one: that is the fault. */
-void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view) {
-  const CameraConfig& config = cameras_[static_cast<std::size_t>(eye)];
+void RenderLoop::draw(const render::Scene& scene, const render::Snapshot& snapshot, Viewpoint viewpoint, bool is_view) {
+  const CameraConfig& config = cameras_[static_cast<std::size_t>(viewpoint)];
   render::Renderer& renderer = stage_->renderer;
   const int width = renderer.width(), height = renderer.height();
   const auto& rgb = renderer.draw(scene, render::cameraSeeing(snapshot, config, raven_.X_WB, width, height));
   const model::Camera camera = model::cameraAt(config, snapshot.model, raven_.X_WB, width, height);
-  if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, eye, snapshot.model.time_ns});
+  if (sink_) sink_({rgb, camera, snapshot.model.tick, is_view, viewpoint, snapshot.model.time_ns});
 }
 
-void RenderLoop::drawAll(const render::Snapshot& seen, bool is_view) {
+void RenderLoop::drawAll(const render::Snapshot& seen, bool is_view, const WatchedPictures& wanted) {
   const render::Scene& scene = stage_->builder.build(seen);
-  draw(scene, seen, Eye::kMiddle, is_view);
+  draw(scene, seen, Viewpoint::kLive, is_view);
   shared_.frames.add();
-  if (shared_.stereo_watched.load() == 0) return;
-  for (const Eye eye : {Eye::kLeft, Eye::kRight})
-    draw(scene, seen, eye, is_view);
+  if (wanted.stereo != 0) {
+    draw(scene, seen, Viewpoint::kLeftEye, is_view);
+    draw(scene, seen, Viewpoint::kRightEye, is_view);
+  }
+  if (wanted.second != 0) draw(scene, seen, Viewpoint::kSecond, is_view);
 }
 
-bool RenderLoop::isWatched() const noexcept {
-  return shared_.picture_watched.load() != 0 || shared_.stereo_watched.load() != 0;
+/** Where two pictures may take longer than the period, the second one would make the live one late: then seldom. */
+bool RenderLoop::isSecondDue(std::int64_t now) const noexcept {
+  const bool has_time = 2.0 * busy_ <= pace_.period();
+  return (has_time && live_.frames % kSecondEvery == 0) || now - second_ns_ >= kSecondLatest;
 }
 
 /** Chooses the view by the present state, however old the picture may be: no camera's delay decides that. */
@@ -139,20 +145,23 @@ void RenderLoop::frame() {
   const std::int64_t begin = clock_();
   const render::Snapshot now = newest();
   const render::Snapshot& seen = line_.pass(now);
-  live_.watched = isWatched() ? 1 : 0;
+  WatchedPictures wanted = shared_.pictures_watched.load();
+  live_.watched = wanted.any() ? 1 : 0;
   const bool is_due = live_.watched != 0 || live_.frames == 0 || begin - drawn_ns_ >= kUnwatchedNs;
   if (!is_due) return stage_->builder.follow(seen);
   drawn_ns_ = begin;
   if (std::abs(now.model.tick - now.haptic.tick) > 1) ++live_.parted;
-  drawAll(seen, now.model.view == 0 || now.is_substitute);
-  adapt(static_cast<double>(clock_() - begin) * 1e-9, live_.watched != 0 && !seen.is_black);
+  if (wanted.second != 0) wanted.second = isSecondDue(begin) ? 1 : 0;
+  if (wanted.second != 0) second_ns_ = begin;
+  drawAll(seen, now.model.view == 0 || now.is_substitute, wanted);
+  adapt(static_cast<double>(clock_() - begin) * 1e-9, live_.watched != 0 && !seen.is_black && wanted.second == 0);
 }
 
-/** The eyes of a pair are part of what a frame takes: all of it must fit into the period. The time of one picture a
- * second says nothing about
- * thirty, and that of a black one nothing about those that follow it. */
+/** The picture and both eyes' must fit into the period; the second camera's must not make them smaller. The time of one
+ * picture a second says nothing about thirty, and that of a black one nothing about those that follow it. */
 void RenderLoop::adapt(double busy, bool is_measure) {
   const double scale = pace_.level().scale;
+  if (is_measure) busy_ = busy;
   reportPace(is_measure && pace_.add(busy));
   if (pace_.level().scale != scale) stage_.reset();  // one context at a time
 }

@@ -56,9 +56,9 @@ void add(OverlaySet overlays, std::ostringstream* out) {
 /** As it is in memory, where options may have changed it. Taken apart, so that a field that is new has to be added
  * here: without it the parts of two settings would be taken for those of one. */
 void add(const RenderConfig& config, std::ostringstream* out) {
-  const auto& [cameras, stereo, video_overlays, live_overlays, trails, video_camera, live_camera, width, height, fps,
-               live_width, live_height, live_fps, live_slowest, live_smallest, live_settle, live_jpeg_quality, crf,
-               preset, real_topic, real_stale_after] = config;
+  const auto& [cameras, stereo, video_overlays, live_overlays, trails, video_camera, live_camera, live_second, width,
+               height, fps, live_width, live_height, live_fps, live_slowest, live_smallest, live_settle,
+               live_jpeg_quality, crf, preset, real_topic, real_stale_after] = config;
   for (const CameraConfig& camera : cameras)  // the stereo pair among them
     add(camera, out);
   add(video_overlays, out);

@@ -186,6 +186,21 @@ TEST(NominalSession, BothEyesAndTheViewAreThereAsJpegToo) {
   EXPECT_NE(left.get().data, right.get().data);
 }
 
+TEST(NominalSession, TheSecondCameraShowsTheSurroundings) {
+  Latest<sensor_msgs::CompressedImage> jpeg("camera/second/image_raw/compressed");
+  Latest<sensor_msgs::Image> second("camera/second/image_raw"), live("camera/image_raw");
+  Latest<sensor_msgs::CameraInfo> info("camera/second/camera_info");
+  ASSERT_TRUE(waitFor([&] { return jpeg.count() > 0 && second.count() > 5 && live.count() > 5 && info.count() > 5; },
+                      kStartDeadline));
+  EXPECT_EQ(second.get().header.frame_id, "overview_optical_frame");
+  EXPECT_EQ(jpeg.get().header.frame_id, "overview_optical_frame");
+  EXPECT_EQ(info.get().header.frame_id, "overview_optical_frame");
+  EXPECT_EQ(info.get().P[3], 0.0);
+  EXPECT_EQ(second.get().width, live.get().width);
+  EXPECT_NE(second.get().data, live.get().data);
+  EXPECT_LT(second.count(), live.count()) << "one in three";
+}
+
 TEST(NominalSession, TheLivePictureIsDiagnosed) {
   Latest<diagnostic_msgs::DiagnosticArray> diagnostics("/diagnostics");
   ASSERT_TRUE(waitFor([&] { return diagnostics.count() > 1; }, kStartDeadline));

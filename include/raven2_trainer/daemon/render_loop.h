@@ -23,17 +23,17 @@ struct TrainerConfig;
 
 namespace raven2_trainer::daemon {
 
-/** The pictures of a state. */
-enum class Eye : std::uint8_t { kMiddle, kLeft, kRight };
-constexpr std::size_t kEyeCount = 3;
+/** The pictures of a state: of the live camera, of both eyes of the stereo pair, of the second camera. */
+enum class Viewpoint : std::uint8_t { kLive, kLeftEye, kRightEye, kSecond };
+constexpr std::size_t kViewpointCount = 4;
 
 /** A live picture, valid during the call that hands it out. */
 struct LiveImage {
   const std::vector<std::uint8_t>& rgb;  ///< top row first
   const model::Camera& camera;
-  Tick tick;     ///< of the model state drawn
-  bool is_view;  ///< the present view (ModelState::view), or a substitute for the real camera, which is silent
-  Eye eye;       ///< kMiddle: the live camera; else one of the stereo pair
+  Tick tick;             ///< of the model state drawn
+  bool is_view;          ///< the present view (ModelState::view), or a substitute for the real camera, which is silent
+  Viewpoint viewpoint;   ///< of camera
   std::int64_t time_ns;  ///< ModelState::time_ns of the shown state: for a frozen picture the old one
 };
 using ImageSink = std::function<void(const LiveImage&)>;
@@ -56,14 +56,15 @@ class RenderLoop {
              ImageSink sink,
              Clock clock = net::monotonicNow);
   /**
-   * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out; with those of
-   * both eyes, while SharedState::stereo_watched. Where that takes too long, the next ones are smaller or fewer
-   * (LivePace); that is said on stderr, and in SharedState::live_picture. While nobody looks
-   * (SharedState::picture_watched) most calls only follow the states, so that what is seen does not depend on who
-   * looked before: one in kUnwatchedPeriod draws.
+   * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out. While somebody
+   * looks at them (SharedState::pictures_watched), both eyes' pictures follow, and in one frame of kSecondEvery the
+   * second camera's; if drawing is slow, once a second. Where that takes too long, the next ones are smaller or fewer
+   * (LivePace); that is said on stderr, and in SharedState::live_picture. While nobody looks at any, most calls only
+   * follow the states, so that what is seen does not depend on who looked before: one in kUnwatchedPeriod draws.
    */
   void frame();
   static constexpr double kUnwatchedPeriod = 1.0;  ///< [s] shows on /diagnostics that pictures still can be drawn
+  static constexpr std::uint64_t kSecondEvery = 3;  ///< [frames] ours: 10 Hz are enough for the surroundings
   /** [s] from the beginning of a frame to that of the next. */
   double period() const noexcept { return pace_.period(); }
 
@@ -77,10 +78,10 @@ class RenderLoop {
 
   void hearOfPlans();
   bool isCameraSilent() const;
+  bool isSecondDue(std::int64_t now) const noexcept;
   render::Snapshot newest();
-  bool isWatched() const noexcept;
-  void drawAll(const render::Snapshot& seen, bool is_view);
-  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Eye eye, bool is_view);
+  void drawAll(const render::Snapshot& seen, bool is_view, const WatchedPictures& wanted);
+  void draw(const render::Scene& scene, const render::Snapshot& snapshot, Viewpoint viewpoint, bool is_view);
   void adapt(double busy, bool is_measure);
   void reportPace(bool has_changed);
 
@@ -91,11 +92,13 @@ class RenderLoop {
   ImageSink sink_;
   Clock clock_;
   const render::ToolContacts contacts_;
-  const std::array<CameraConfig, kEyeCount> cameras_;  // by Eye
+  const std::array<CameraConfig, kViewpointCount> cameras_;  // by Viewpoint
   render::PictureLine line_;
   LivePace pace_;
   std::optional<Stage> stage_;  // for pace_'s level; none: to be made for the next frame
   std::int64_t drawn_ns_{0};    // when the newest picture was begun
+  std::int64_t second_ns_{0};   // the same of the second camera's
+  double busy_{0.0};            // [s] that the newest frame without it took
   LivePicture live_;
   render::PlanNews plans_;
   std::uint64_t plan_heard_{0}, execution_heard_{0};  // versions of their cells

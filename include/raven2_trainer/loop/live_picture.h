@@ -18,4 +18,14 @@ struct LivePicture {
 };
 static_assert(std::is_trivially_copyable<LivePicture>::value, "crosses threads word by word");
 
+/** Live pictures with clients, 1 each. Others are not drawn. */
+struct WatchedPictures {
+  std::uint8_t live{};    ///< a client uses the live picture, the view, or their camera's pose
+  std::uint8_t stereo{};  ///< of either eye
+  std::uint8_t second{};  ///< of the second camera
+
+  bool any() const noexcept { return live != 0 || stereo != 0 || second != 0; }
+};
+static_assert(std::is_trivially_copyable<WatchedPictures>::value, "crosses threads word by word");
+
 }  // namespace raven2_trainer

@@ -69,10 +69,8 @@ struct SharedState {
   std::atomic<std::uint32_t> next_request{kOwnRequestIds + 1};
   // written by ros: [ns] CLOCK_MONOTONIC at the receipt of the real camera's newest image; 0: no image yet
   StateCell<std::int64_t> real_picture_ns;
-  // written by ros: 1 while a client uses a live image or its camera's pose
-  StateCell<std::uint8_t> picture_watched;
-  // written by ros: 1 while a client uses the stereo pair
-  StateCell<std::uint8_t> stereo_watched;
+  // written by ros: which live pictures have clients
+  StateCell<WatchedPictures> pictures_watched;
   // written by planner: tip path of the newest successful plan
   StateCell<GuidePath> guide_path;
   // written by ingest: counts of ITP packets

@@ -28,6 +28,7 @@ struct RenderConfig {
   TrailConfig trails;
   std::string video_camera;  ///< of video.mp4
   std::string live_camera;   ///< of camera/image_raw
+  std::string live_second;   ///< of camera/second/image_raw
   int video_width{}, video_height{}, video_fps{};
   int live_width{}, live_height{}, live_fps{};
   int live_slowest{};       ///< [Hz] the rate is not lowered below it

@@ -15,7 +15,7 @@ std::vector<bool> fixedLinks(const model::Description& description) {
 }
 
 std::set<std::string> liveCameras(const RenderConfig& render) {
-  return {render.live_camera, render.stereo.camera + "_left", render.stereo.camera + "_right"};
+  return {render.live_camera, render.live_second, render.stereo.camera + "_left", render.stereo.camera + "_right"};
 }
 
 tf2_msgs::TFMessage fixedFrames(const model::RavenModel& raven, const RenderConfig& render, const ros::Time& stamp) {

@@ -23,8 +23,8 @@
 #include "ros/node/topic.h"
 #include "ros/pictures/camera_view.h"
 #include "ros/pictures/live_camera.h"
+#include "ros/pictures/other_views.h"
 #include "ros/pictures/picture_stamp.h"
-#include "ros/pictures/stereo_view.h"
 #include "ros/planning/move_arm_action.h"
 #include "ros/planning/planning_client.h"
 #include "ros/planning/planning_services.h"
@@ -56,7 +56,7 @@ struct RosBridge::Impl {
         training_services(&node, &client, isLoopbackOnly() ? &replay : nullptr, may_command),
         topics(TopicMaker(&node), source(), kQueue, ros::Time::now()),
         view(node, daemon->config().render, &daemon->shared()),
-        stereo(node, daemon->config().render),
+        others(node, daemon->config().render),
         camera(&node, daemon->config().render, view),
         pedals(daemon->config().network.joy, daemon->shared(), &client, may_command),
         configuration(node.advertise<SessionConfiguration>("session/configuration", 1, kLatched)),
@@ -79,8 +79,7 @@ struct RosBridge::Impl {
     if (move_arm) move_arm->stop();
     if (crtk) crtk->stop();
     publisher.stop();
-    simulator.shared().stereo_watched.store(0);
-    simulator.shared().picture_watched.store(0);
+    simulator.shared().pictures_watched.store({});
     view.stop();
     spinner.stop();
   }
@@ -131,10 +130,9 @@ struct RosBridge::Impl {
 
   /** In every cycle, so that who comes new waits for the next frame alone. */
   void reportViewers() {
-    SharedState& shared = simulator.shared();
-    const bool is_stereo = stereo.isWatched();
-    shared.stereo_watched.store(is_stereo ? 1 : 0);
-    shared.picture_watched.store(is_stereo || camera.isWatched() || view.isWatched() ? 1 : 0);
+    WatchedPictures watched = others.watched();
+    watched.live = camera.isWatched() || view.isWatched() ? 1 : 0;
+    simulator.shared().pictures_watched.store(watched);
   }
 
   /** Since the last time it was asked: a second master, a loop that was late or gave time up, trouble with the disk,
@@ -155,8 +153,8 @@ struct RosBridge::Impl {
   /** On the render thread; roscpp's publish is thread-safe. */
   void publishImage(const daemon::LiveImage& picture) {
     const ros::Time stamp = picture_stamp.of(picture.time_ns, net::monotonicNow(), ros::Time::now());
-    if (picture.eye != daemon::Eye::kMiddle) return stereo.show(picture, stamp);
-    camera.show(picture, stamp);
+    if (picture.viewpoint == daemon::Viewpoint::kLive) return camera.show(picture, stamp);
+    others.show(picture, stamp);
   }
 
   daemon::Simulator& simulator;
@@ -169,7 +167,7 @@ struct RosBridge::Impl {
   TrainingServices training_services;
   StateTopics topics;
   CameraView view;
-  StereoView stereo;
+  OtherViews others;
   LiveCamera camera;
   PictureStamp picture_stamp;
   JoyPedals pedals;

@@ -159,6 +159,17 @@ TEST_F(LoadConfig, AKeyGivenTwiceIsRefusedWithItsLine) {
   EXPECT_TRUE(std::regex_search(message(), std::regex("haptics.yaml:3: kp is given twice"))) << message();
 }
 
+TEST_F(LoadConfig, WithoutASecondCameraItIsTheFirst) {
+  EXPECT_EQ(loadTrainerConfig(root()).render.live_second, "overview");
+  replace("render.yaml", "  second: overview", "  #");
+  EXPECT_EQ(loadTrainerConfig(root()).render.live_second, "endoscope");
+}
+
+TEST_F(LoadConfig, ASecondCameraHasToExist) {
+  replace("render.yaml", "second: overview", "second: overvew");
+  EXPECT_NE(message().find("did you mean \"overview\""), std::string::npos) << message();
+}
+
 TEST_F(LoadConfig, AMissingKeyIsRefused) {
   replace("haptics.yaml", "tolerance: .*", "");
   EXPECT_NE(message().find("tolerance is missing"), std::string::npos) << message();

@@ -38,7 +38,8 @@ class RenderLoopTest : public ::testing::Test {
             shared_.get(),
             [this](const LiveImage& image) { take(image); },
             [this] { return now_ns_; }) {
-    shared_->picture_watched.store(1);
+    watched_.live = 1;
+    shared_->pictures_watched.store(watched_);
     state_.tick = kTick;
     state_.session_tick = 0;
     for (ArmState& arm : state_.arms)
@@ -56,7 +57,7 @@ class RenderLoopTest : public ::testing::Test {
   }
 
   struct EyePicture {
-    Eye eye;
+    Viewpoint viewpoint;
     Picture rgb;
     model::Camera camera;
   };
@@ -64,7 +65,7 @@ class RenderLoopTest : public ::testing::Test {
   void take(const LiveImage& image) {
     ++drawn_;
     now_ns_ += takes_ns_;
-    if (image.eye != Eye::kMiddle) return eyes_.push_back({image.eye, image.rgb, image.camera});
+    if (image.viewpoint != Viewpoint::kLive) return eyes_.push_back({image.viewpoint, image.rgb, image.camera});
     picture_ = image.rgb;
     is_view_ = image.is_view;
     camera_ = image.camera;
@@ -77,6 +78,7 @@ class RenderLoopTest : public ::testing::Test {
     shared_->model.store(state_);
     haptic_.tick = state_.tick;  // or the loop waits for it
     shared_->haptic.store(haptic_);
+    shared_->pictures_watched.store(watched_);
     loop_.frame();
     return picture_;
   }
@@ -107,6 +109,7 @@ class RenderLoopTest : public ::testing::Test {
   RenderLoop loop_;
   ModelState state_;
   HapticState haptic_;
+  WatchedPictures watched_;
 };
 
 TEST_F(RenderLoopTest, APlanIsInTheLivePictureUntilItIsForgotten) {
@@ -163,18 +166,67 @@ TEST_F(RenderLoopTest, ThePictureAndItsCameraGoWithTheClutch) {
 TEST_F(RenderLoopTest, BothEyesAreDrawnWhileSomebodyLooks) {
   frame();
   EXPECT_TRUE(eyes_.empty());
-  shared_->stereo_watched.store(1);
+  watched_.stereo = 1;
   const Picture middle = frame();
   ASSERT_EQ(eyes_.size(), 2U);
-  EXPECT_EQ(eyes_[0].eye, Eye::kLeft);
-  EXPECT_EQ(eyes_[1].eye, Eye::kRight);
+  EXPECT_EQ(eyes_[0].viewpoint, Viewpoint::kLeftEye);
+  EXPECT_EQ(eyes_[1].viewpoint, Viewpoint::kRightEye);
   const Vector3 apart_C = camera_.X_WC.R.transpose() * (eyes_[1].camera.X_WC.p - eyes_[0].camera.X_WC.p);
   EXPECT_LT((apart_C - Vector3(config_.render.stereo.baseline, 0.0, 0.0)).norm(), 1e-12);
   EXPECT_NE(eyes_[0].rgb, eyes_[1].rgb);
   EXPECT_NE(eyes_[0].rgb, middle);
-  shared_->stereo_watched.store(0);
+  watched_.stereo = 0;
   frame();
   EXPECT_TRUE(eyes_.empty());
+}
+
+TEST_F(RenderLoopTest, TheSecondCamerasPictureIsDrawnAtAThirdOfTheRateWhileSomebodyLooks) {
+  ASSERT_EQ(config_.render.live_second, "overview");
+  frame();
+  watched_.second = 1;
+  int drawn = 0;
+  for (int i = 0; i < 9; ++i) {
+    const Picture live = frame();
+    drawn += static_cast<int>(eyes_.size());
+    for (const EyePicture& picture : eyes_) {
+      EXPECT_EQ(picture.viewpoint, Viewpoint::kSecond);
+      EXPECT_NE(picture.rgb, live);
+      const CameraConfig& overview = model::requireCamera(config_.render.cameras, "overview");
+      EXPECT_EQ((picture.camera.X_WC.p - toEigen(overview.eye_W)).norm(), 0.0);
+    }
+  }
+  EXPECT_EQ(drawn, 4) << "the first at once";
+  watched_.second = 0;
+  for (int i = 0; i < 3; ++i) {
+    frame();
+    EXPECT_TRUE(eyes_.empty());
+  }
+}
+
+TEST_F(RenderLoopTest, TheSecondPictureMakesTheLiveOneNoSmaller) {
+  watched_.second = 1;
+  takes_ns_ = 20'000'000;  // two of them take longer than the period, 33 ms
+  std::size_t drawn = 0;
+  const std::int64_t begin = now_ns_;
+  for (int i = 0; i < 300; ++i) {
+    frame();
+    drawn += eyes_.size();
+  }
+  EXPECT_EQ(shared_->live_picture.load().level, 0U);
+  EXPECT_NEAR(static_cast<double>(drawn), static_cast<double>(now_ns_ - begin) * 1e-9, 1.0) << "one a second";
+  watched_.stereo = 1;
+  for (int i = 0; i < 300; ++i)
+    frame();
+  EXPECT_GT(shared_->live_picture.load().level, 0U);
+}
+
+TEST_F(RenderLoopTest, AViewerOfTheSecondCameraAloneCounts) {
+  watched_ = {0, 0, 1};
+  frame();
+  EXPECT_EQ(shared_->live_picture.load().watched, 1);
+  now_ns_ += 40'000'000;
+  frame();
+  EXPECT_EQ(shared_->live_picture.load().frames, 2U) << "more than one a second";
 }
 
 TEST_F(RenderLoopTest, AFrozenPictureGoesOnWithItsOldTickAndTime) {
@@ -228,7 +280,7 @@ TEST_F(RenderLoopTest, WhichPictureIsTheViewGoesByNowThoughPicturesAreLate) {
 TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
   const Picture seen = frame();
   setPicture(PictureFault::kBlack);
-  shared_->stereo_watched.store(1);
+  watched_.stereo = 1;
   const Picture black = frame();
   EXPECT_EQ(black, Picture(seen.size(), 0));
   EXPECT_TRUE(is_view_);
@@ -239,7 +291,7 @@ TEST_F(RenderLoopTest, ABlackPictureIsBlackForBothEyesAndTheViewToo) {
 }
 
 TEST_F(RenderLoopTest, EyesThatAreChangedOverKeepTheirNamesAndCameras) {
-  shared_->stereo_watched.store(1);
+  watched_.stereo = 1;
   const Picture middle = frame();
   const std::vector<EyePicture> right_way = eyes_;
   setPicture(PictureFault::kEyesSwapped);
@@ -272,7 +324,7 @@ TEST_F(RenderLoopTest, APictureHasTheTickAndTheTimeOfTheStateDrawn) {
 }
 
 TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
-  shared_->picture_watched.store(0);
+  watched_.live = 0;
   const auto run = [this](int frames) {
     for (int i = 0; i < frames; ++i) {
       frame();
@@ -288,16 +340,16 @@ TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
   EXPECT_EQ(shared_->live_picture.load().watched, 0);
   run(1);
   EXPECT_EQ(drawn_, 11);
-  shared_->picture_watched.store(1);
+  watched_.live = 1;
   run(1);
   EXPECT_EQ(drawn_, 12) << "the first for a new viewer, at once";
   run(25);
   EXPECT_EQ(drawn_, 37);
   EXPECT_EQ(shared_->live_picture.load().watched, 1);
-  shared_->picture_watched.store(0);
+  watched_.live = 0;
   run(1);
   EXPECT_EQ(drawn_, 37);
-  shared_->stereo_watched.store(1);
+  watched_.stereo = 1;
   run(1);
   EXPECT_EQ(drawn_, 40) << "a viewer of both eyes counts";
 }
@@ -305,28 +357,28 @@ TEST_F(RenderLoopTest, WhileNobodyLooksOneASecondIsDrawn) {
 /** The picture must not depend on earlier viewers. */
 TEST_F(RenderLoopTest, WhatNobodyLookedAtIsKnownAllTheSame) {
   frame();
-  shared_->picture_watched.store(0);
+  watched_.live = 0;
   state_.tick += 400;
   state_.arms[0].q[kElbow] += 0.1;
   frame();
   ASSERT_EQ(drawn_, 1);
   state_.tick += 33;
   setPicture(PictureFault::kFrozen);
-  shared_->picture_watched.store(1);
+  watched_.live = 1;
   frame();
   EXPECT_EQ(tick_, kTick + 400) << "when it froze";
 }
 
 TEST_F(RenderLoopTest, PicturesThatNobodyLooksAtSayNothingOfTheirPace) {
   takes_ns_ = 200'000'000;
-  shared_->picture_watched.store(0);
+  watched_.live = 0;
   for (int i = 0; i < 100; ++i) {
     frame();
     now_ns_ += 1'000'000'000;
   }
   EXPECT_EQ(drawn_, 100);
   EXPECT_EQ(shared_->live_picture.load().level, 0U);
-  shared_->picture_watched.store(1);
+  watched_.live = 1;
   for (int i = 0; i < 5; ++i)
     frame();
   EXPECT_EQ(shared_->live_picture.load().level, 1U) << "the same load with a viewer";
@@ -386,12 +438,13 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
   config.render.live_fps = config.render.live_slowest = 10;
   std::vector<model::Camera> cameras;
   const auto show = [&](const LiveImage& image) {
-    if (image.eye == Eye::kMiddle) return;
+    if (image.viewpoint == Viewpoint::kLive) return;
     cameras.push_back(image.camera);
     now_ns_ += 60'000'000;
   };
   RenderLoop loop(config, raven_, scene_, {}, shared_.get(), show, [this] { return now_ns_; });
-  shared_->stereo_watched.store(1);
+  watched_.stereo = 1;
+  shared_->pictures_watched.store(watched_);
   shared_->model.store(state_);
   while (cameras.size() < 100 && shared_->live_picture.load().level < 1)
     loop.frame();

@@ -124,6 +124,7 @@ TEST_F(RenderSettingsTest, IsTheSameWhereOnlyWhatDecidesOverNoPictureChanges) {
   EXPECT_EQ(hash(), before);
   config_.render.live_fps = 7;
   config_.render.live_camera = "overview";
+  config_.render.live_second = "top";
   EXPECT_EQ(hash(), before);
   write("config/faults/jump.yaml", "another");
   write("config/plants/nominal.yaml", "another");

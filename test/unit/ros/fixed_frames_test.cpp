@@ -59,6 +59,11 @@ TEST_F(FixedFrames, OfBothArmsAreAtTheirRemoteCentres) {
   }
 }
 
+TEST_F(FixedFrames, TheSecondCameraIsOne) {
+  ASSERT_EQ(config_.render.live_second, "overview");
+  EXPECT_EQ(names(fixedFrames(raven_, config_.render, ros::Time(1, 0))).count("overview_optical_frame"), 1U);
+}
+
 TEST_F(FixedFrames, ACameraIsOneWhileItStays) {
   const std::string camera = config_.render.live_camera;
   setMoves(&config_, camera, CameraMoves::kGoldTool);
