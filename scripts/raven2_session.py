@@ -471,7 +471,7 @@ def _read_header(path, data):
 def read_header(path):
     """The header of a log alone, without reading the rest. @throw SessionError."""
     try:
-        with open(path, "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
+        with open(os.fspath(path), "rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as data:
             return _read_header(path, data)[0]
     except (OSError, ValueError) as error:  # ValueError: an empty file cannot be mapped
         raise SessionError(f"{path}: cannot be read as a session log: {error}") from None

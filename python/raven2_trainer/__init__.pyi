@@ -237,6 +237,7 @@ class SessionLog:
 class Session:
     """A session directory: log, and the files next to it."""
 
+    directory: Union[str, PathLike[str]]
     log: SessionLog
     metrics: dict[str, Any]
     faults: dict[str, Any]

@@ -240,3 +240,4 @@ class Reach(Raven):
 for name, options in (("Reach", {}), ("PickRing", {"exercise": "pick_hand_over_place", "arms": ("gold",), "steps": 1, "max_steps": 1000}),
                       ("RingTransfer", {"exercise": "ring_tower_transfer"}), ("PegTransfer", {"exercise": "peg_transfer"})):
     gymnasium.register(f"raven2_trainer/{name}-v0", entry_point=Reach if name == "Reach" else Raven, kwargs=options)
+del name, options

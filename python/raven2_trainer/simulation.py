@@ -11,6 +11,8 @@ import numpy as np
 from . import _core
 from .plain import as_plain, whole_number
 
+MOST_THREADS = 1024  # ours: more than the cores of any computer
+
 
 def _path(name, value):
     """As text; "" if missing."""
@@ -30,7 +32,10 @@ def _root(config):
 
 def root_file(config=None):
     """Path of the root file of the configuration: `config`, or the packaged one."""
-    return _root(config) or os.path.join(os.environ["RAVEN2_TRAINER_SHARE"], "config/trainer.yaml")
+    root = _root(config)
+    if not root and "RAVEN2_TRAINER_SHARE" not in os.environ:
+        raise _core.ConfigError("the packaged configuration is missing: give config=FILE, or source the workspace's setup.bash")
+    return root or os.path.join(os.environ["RAVEN2_TRAINER_SHARE"], "config/trainer.yaml")
 
 
 def _yaml(values):
@@ -102,7 +107,7 @@ class VectorSimulation:
     def __init__(self, n, exercise=None, hazard=None, seed=1, threads=None, output=None, **options):
         n = whole_number("n", n, 1, _core.MOST_SIMULATIONS)  # of a process
         seed = whole_number("seed", seed, 0, 2**64 - n)
-        self._threads = len(os.sched_getaffinity(0)) if threads is None else whole_number("threads", threads)
+        self._threads = len(os.sched_getaffinity(0)) if threads is None else whole_number("threads", threads, 1, MOST_THREADS)
         output = _path("output", output)
         for i in range(n) if output else ():  # before the first one is made
             folder = os.path.join(output, str(i))

@@ -11,7 +11,7 @@ WARN_EVERY = 1.0      # [s]
 MOST_AHEAD = 3        # pictures that the page has not shown yet
 AHEAD_LIMIT = 1.0     # [s] then they count as shown: a busy page does not say so
 WRITE_LIMIT = 5.0     # [s] for one message: the page is gone
-PICTURES = {"view": b"\x00", "camera": b"\x01"}
+PICTURES = {"view": b"\x00", "second": b"\x01"}
 
 
 class Client:

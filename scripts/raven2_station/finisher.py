@@ -12,6 +12,7 @@ import psutil
 
 PATIENCE = 15.0  # [s] for reports when the station ends
 PERCENT = re.compile(rb"(\d+) ?%")
+PLACES = re.compile(r"^(?:(?:/\S*|raven2_trainer): )+")  # in front of a message: the page names the session itself
 CONTROL = re.compile(rb"\x1b\[[0-9;]*[A-Za-z]")  # of a terminal
 
 
@@ -97,7 +98,7 @@ class Finisher:
             await _until_gone(process.pid)
         del self._running[what]
         lines = [line for line in last.decode(errors="replace").replace("\r", "\n").split("\n") if line.strip()]
-        return code, (lines or ["it failed"])[-1].strip()[:200]
+        return code, PLACES.sub("", (lines or ["it failed"])[-1].strip())[:200]
 
 
 async def _until_gone(group):

@@ -1,4 +1,7 @@
-"""Tips of both arms, of the model and of the robot, from the transforms on /tf. Nothing here knows ROS."""
+"""Tips of both arms, of the model and of the robot, and the axes of the camera, from the transforms on /tf. Nothing here
+knows ROS."""
+
+from raven2_station.hands import product
 
 
 def rotated(q, v):
@@ -32,6 +35,28 @@ class Frames:
             frame, translation, rotation = link
             point = [t + p for t, p in zip(translation, rotated(rotation, point))]
         return None
+
+    def rotation(self, frame, root="world"):
+        """Quaternion x, y, z, w of the frame in `root`; None while a link of the chain is missing."""
+        q = [0.0, 0.0, 0.0, 1.0]
+        for _ in range(self.DEEPEST):
+            if frame == root:
+                return q
+            link = self._links.get(frame)
+            if link is None:
+                return None
+            frame, _, rotation = link
+            q = product(rotation, q)
+        return None
+
+    def view(self, frame):
+        """Axes to the right, up and into the picture of an optical frame, each along the axes of a browser's hand device
+        (config/masters/browser.yaml: right, forward, up); None while the frame is unknown."""
+        q = self.rotation(frame)
+        if q is None:
+            return None
+        of_world = [rotated(q, axis) for axis in ([1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0])]
+        return [[-y, x, z] for x, y, z in of_world]  # the world has x forward, y left
 
     def apart(self, arm):
         """[m] between the tips of model and robot (the pivot of the jaws); None without both of one moment: the robot may be gone.

@@ -21,11 +21,13 @@ from std_srvs.srv import SetBool, SetBoolResponse, Trigger, TriggerResponse
 from tf2_msgs.msg import TFMessage
 
 from raven2_trainer.msg import ExerciseEventStamped, ExerciseProgress, PlanningProgress, SessionConfiguration, TrainerMode
-from raven2_trainer.srv import BeginReplay, CancelPlan, ExecutePlan, PlanPath, StartHazard, StartSession, StartSessionResponse
+from raven2_trainer.srv import (BeginReplay, CancelPlan, ExecutePlan, PlanPath, RepeatTrial, StartHazard, StartSession,
+                                StartSessionResponse)
 
 from . import frames, priority, wire
 
 STRIP_PERIOD = 0.04    # [s] of tip error and force: 25 Hz
+AXES_PERIOD = 1.0      # [s] of the picture's axes while they stay, for a session that starts
 MASTER_PERIOD = 0.5    # [s] between questions to the ROS master
 MASTER_PATIENCE = 1.0  # [s] for its answer
 LONGEST_CALL = 60.0    # [s] the next session: the end of one and the start of another
@@ -39,9 +41,11 @@ JAWS = {"gold": "/browser/left/jaw/measured_js", "green": "/browser/right/jaw/me
 PREFIX = "raven2_trainer: "
 
 SERVICES = {
-    "begin_replay": BeginReplay, "end_replay": Trigger, "inject_hazard": StartHazard, "stop_hazard": Trigger, "pause": Trigger, "emergency_stop": Trigger, "clear_stop": Trigger, "engage": Trigger,
-    "disengage": Trigger, "set_view": SetBool, "plan": PlanPath, "execute_plan": ExecutePlan, "cancel_plan": CancelPlan,
-    "begin_simulation": Trigger, "end_simulation": Trigger, "start_exercise": Trigger, "virtual_raven/press_start": Trigger}
+    **dict.fromkeys(("end_replay", "stop_hazard", "pause", "emergency_stop", "clear_stop", "engage", "disengage", "begin_simulation",
+                     "end_simulation", "begin_trial", "end_trial", "discard_trial", "start_exercise", "virtual_raven/press_start"),
+                    Trigger),
+    "begin_replay": BeginReplay, "inject_hazard": StartHazard, "set_view": SetBool, "plan": PlanPath, "execute_plan": ExecutePlan,
+    "cancel_plan": CancelPlan, "repeat_trial": RepeatTrial}
 
 
 class _Patient(xmlrpc.client.Transport):
@@ -109,6 +113,7 @@ class Daemon:
         self._force = {"gold": 0.0, "green": 0.0}
         self._push = {"gold": [0.0, 0.0, 0.0], "green": [0.0, 0.0, 0.0]}
         self._last_tick = None
+        self._axes, self._axes_sent = None, 0.0  # of the picture, as the pages have them
         rospy.Subscriber("mode", TrainerMode, self._mode)
         rospy.Subscriber("exercise/state", ExerciseProgress, self._exercise)
         rospy.Subscriber("exercise/events", ExerciseEventStamped, self._event)
@@ -119,9 +124,25 @@ class Daemon:
         rospy.Subscriber("/tf_static", TFMessage, self._transforms)
         for arm in SIDES:
             rospy.Subscriber(f"haptic/{arm}/force", WrenchStamped, self._wrench, callback_args=arm)
-        for which in ("view", "camera"):
-            rospy.Subscriber(f"{which}/image_raw/compressed", CompressedImage, self._picture, callback_args=which,
-                             queue_size=1, buff_size=1 << 22)
+        self._hear_pictures("view/image_raw/compressed", "view")
+        self._wants_second, self._second = False, None
+        self._second_lock = threading.Lock()
+
+    def _hear_pictures(self, topic, which):
+        return rospy.Subscriber(topic, CompressedImage, self._picture, callback_args=which, queue_size=1, buff_size=1 << 22)
+
+    def want_second(self, wanted):
+        """In another thread: a slow master must not delay the hands."""
+        self._wants_second = wanted
+        threading.Thread(target=self._follow_second, daemon=True).start()
+
+    def _follow_second(self):
+        with self._second_lock:
+            if self._wants_second and self._second is None:
+                self._second = self._hear_pictures("camera/second/image_raw/compressed", "second")
+            elif not self._wants_second and self._second is not None:
+                self._second.unregister()
+                self._second = None
 
     def strips(self):
         with self._lock:
@@ -169,7 +190,18 @@ class Daemon:
             self._last_tick = time.monotonic()
 
     def _picture(self, m, which):
+        if which == "view":
+            self._show_axes(m.header.frame_id)
         self._link.send({"t": "picture", "which": which, "stamp": m.header.stamp.to_sec()}, m.data, may_drop=True)
+
+    def _show_axes(self, frame):
+        """Directions of the picture, along which the mouse moves the tool."""
+        with self._lock:
+            axes = self._frames.view(frame)
+        now = time.monotonic()
+        if axes != self._axes or now - self._axes_sent >= AXES_PERIOD:
+            self._axes, self._axes_sent = axes, now
+            self._link.send({"t": "axes", "axes": axes})
 
 
 class BrowserHands:
@@ -238,14 +270,14 @@ class Side:
         self._answers = {}
         self._lock = threading.Lock()
         self._number = 0
-        self._hands = None
+        self._hands = self._daemon = None
 
     def run(self):
         while another_station():
             self._link.send({"t": "taken"})
             time.sleep(TAKEN_PERIOD)
         rospy.init_node("station", disable_signals=True, log_level=rospy.WARN)
-        daemon = Daemon(self._link)
+        self._daemon = daemon = Daemon(self._link)
         self._hands = BrowserHands()
         self._status = rospy.Publisher("/diagnostics", DiagnosticArray, queue_size=4)
         services = [rospy.Service("station/start_session", StartSession, self._start),
@@ -290,6 +322,8 @@ class Side:
         kind = message["t"]
         if kind == "hands":
             self._hands.publish(message)
+        elif kind == "pictures":
+            self._daemon.want_second(bool(message["second"]))
         elif kind == "call":
             threading.Thread(target=self._call, args=(message,), daemon=True).start()
         elif kind == "answer":

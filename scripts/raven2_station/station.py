@@ -19,8 +19,11 @@ STOP_LIMIT = 2.0     # [s] for the trainer's answer to an emergency stop
 TRAINEE_MAY = {"drive", "leave", "hands", "watch"}
 ROS_PATIENCE = 3.0   # [s] for the ROS master, before a session starts
 FOREIGN_GONE = "The trainer of the launch file does not answer any more. If its session has ended, choose and press Start."
+NOT_RUNNING = "the trainer is not running"  # as ros_side.py has it
 TRIGGERS = {"end-replay": "end_replay", "stop-hazard": "stop_hazard", "emergency-stop": "emergency_stop", "clear-stop": "clear_stop", "pause": "pause",
-            "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}
+            "restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start", "begin-simulation": "begin_simulation",
+            "end-simulation": "end_simulation", "begin-trial": "begin_trial", "end-trial": "end_trial", "discard-trial": "discard_trial",
+            "engage": "engage", "disengage": "disengage"}
 
 
 class Station(PastSessions):
@@ -37,6 +40,7 @@ class Station(PastSessions):
         self.newest = {}             # message by kind, for pages that come later
         self.progress = {}           # (session, what) -> (share, text)
         self._daemon_heard = self._hands_sent = None
+        self._second_asked = None    # whether the trainer was asked for the second picture
         self.statuses = Statuses()
         self._last_health = None
         self._was_foreign = self._foreign_gone = False
@@ -55,7 +59,7 @@ class Station(PastSessions):
         self._show_state(client)
 
     def _show_state(self, client):
-        for kind in ("mode", "exercise", "plan", "session", *(["robot"] if client.role == "instructor" else [])):
+        for kind in ("mode", "exercise", "plan", "session", "axes", *(["robot"] if client.role == "instructor" else [])):
             if kind in self.newest and (kind == "exercise" or self.supervisor.is_running or self.is_foreign):
                 client.send(self._for(client, self.newest[kind]))
         client.send({"t": "station", **self._station(client)})
@@ -209,6 +213,11 @@ class Station(PastSessions):
             return words.clear_refused(mode.get("mode"), mode.get("pedal"), robot_is_stopped)
         if (what, text) == ("clear-stop", "accepted") and robot_is_stopped:
             return f"Your stop is cleared. {words.ROBOT_STOPPED}"
+        if what == "press-start" and text == NOT_RUNNING and self.is_heard:
+            return words.NO_START if self.supervisor.state()["virtual"] and not self.is_foreign else words.REAL_START
+        modes, no = words.NOT_NOW.get(what, ((), ""))
+        if text == "not_now" and mode.get("mode") in modes:
+            return no
         if (what, text) == ("restart-exercise", "not_now") and self.newest.get("exercise", {}).get("status", "none") == "none":
             return words.NO_EXERCISE
         return words.answer(text)
@@ -275,6 +284,10 @@ class Station(PastSessions):
         done, text, more = await self.link.call("execute_plan", {"on_robot": given.get("on_robot") is True})
         return done, words.answer(text), more
 
+    async def _do_repeat_trial(self, given, _):
+        done, text, more = await self.link.call("repeat_trial", {"on_robot": given.get("on_robot") is True})
+        return done, words.TRIAL_ANSWERS.get(text) or self._answer_to("repeat-trial", text), more
+
     async def _do_cancel_plan(self, _, __):
         done, text, more = await self.link.call("cancel_plan")
         return done, words.NO_PLAN if done and more.get("was") == "idle" else words.answer(text), more
@@ -316,8 +329,8 @@ class Station(PastSessions):
     async def _do_watch(self, given, client):
         """With `acknowledges` the page sends `shown` for each picture; only a few are sent ahead."""
         wants = given.get("pictures")
-        if not isinstance(wants, list) or any(w not in ("view", "camera") for w in wants):
-            raise Refused("pictures are view and camera")
+        if not isinstance(wants, list) or any(w not in ("view", "second") for w in wants):
+            raise Refused("pictures are view and second")
         client.wants = set(wants)
         client.acknowledges = given.get("acknowledges") is True
         self._show_state(client)  # to a page that heard nothing for a moment
@@ -372,6 +385,7 @@ class Station(PastSessions):
         drives = self.is_hand_device and (self.supervisor.is_running or self.driving is not None)
         if drives and (self._hands_sent is None or now - self._hands_sent >= TICK):
             self._send_hands()
+        self._ask_for_second()
         health = self.health()
         if health != self._last_health:
             self._last_health = health
@@ -384,6 +398,14 @@ class Station(PastSessions):
             self.link.send({"t": "status", "level": 0, "text": f"{len(self.clients)} pages",
                             "values": {"pages": len(self.clients), "refused": sum(self.refused.values()),
                                        **{f"refused_{k}": v for k, v in sorted(self.refused.items())}}})
+
+    def _ask_for_second(self):
+        """The trainer draws the second picture only while a page shows it."""
+        wanted = any("second" in client.wants for client in self.clients.values())
+        if not self.link.is_up:
+            self._second_asked = None
+        elif wanted != self._second_asked and self.link.send({"t": "pictures", "second": wanted}):
+            self._second_asked = wanted
 
     def finished(self, name, what, share, text):
         """Progress of report and video."""

@@ -42,12 +42,22 @@ ANSWERS = {**PLAN_STATUSES, **PLANNING_ANSWERS, "no answer": _SILENT,
            "accepted; the planner is still ending": "Done. The planner needs a moment to end."}
 CLUMSY = {"beside": "misses the place", "breaker": "tears a tower off", "dropper": "drops things",
           "shaky": "has shaking hands", "slow": "works too slowly", "toucher": "touches the wires"}
-STOPPED = "Stopped. Press Clear the stop. If the robot has stopped itself, press Stop and next attempt."
-CLEAR_FIRST = "The stop can be cleared only while the pedal is up. Press again when the surgeon has let it go, or stop the session."
+STOPPED = "Stopped. Release the pedal, then press Clear the stop. If that is refused, press Stop and next attempt."
+CLEAR_FIRST = "The pedal is down. When the surgeon has released it, press Clear the stop again, or press Stop session."
 ROBOT_STOPPED = "The robot itself is stopped (E-STOP). Press its start button, or Stop and next attempt."
 MODEL_STOPPED = "The stop cannot be cleared: the simulation has stopped. Press Stop and next attempt."
 NO_EXERCISE = "This session has no exercise: there is nothing to restart."
 NO_PLAN = "There was no plan."
+NO_START = "The virtual robot does not offer its start button. Press Stop and next attempt."
+REAL_START = "No virtual robot runs. Press the start button at the robot."
+TRIAL_ANSWERS = {
+    "moved": "The robot is not where the trial began. Move it there, then repeat the trial.",
+    "no_plan": "In this trial nothing moved: press Delete trial, then Begin trial."}
+_IDLE = ("waiting", "pedal_up", "teleoperating", "stopped", "paused")  # neither a trial nor a simulation
+NOT_NOW = {  # request: (modes, its answer in these)
+    "end-simulation": (_IDLE, "The model does not move alone: there is nothing to end."),
+    "repeat-trial": (("trial", "trial_held"), "Release the pedal and press End trial first."),
+    **dict.fromkeys(("end-trial", "discard-trial"), (_IDLE, "There is no trial: press Begin trial first."))}
 
 PROBLEMS = {  # of the trainer's states
     "physics loop": "This computer is too slow for the simulation.", "haptic loop": "This computer is too slow for the forces.",
@@ -61,10 +71,10 @@ PROBLEMS = {  # of the trainer's states
     "live picture": "The picture is smaller or slower than it should be.", "real camera": "No picture comes from the real camera."}
 ADVICE = {
     "physics loop": "Close other programs on this computer.", "haptic loop": "Close other programs on this computer.",
-    "real time": "Start the station as root, or give real-time priority (doc/hardware.md).",
+    "real time": "Start the station as root, or type scripts/doctor.",
     "master to daemon link": "Check that the hand device, its driver or the page that drives is connected.",
     "pedals to daemon link": "Check the pedals and their driver.",
-    "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or start the virtual robot.",
+    "robot to daemon link": "Check the robot's computer and the network.", "robot": "Switch the robot on, or press Stop and next attempt.",
     "daemon to robot link": "Check the robot's computer and the network.", "forces to console": "Check the console.",
     "recorder": "Free disk space, or record to a faster disk.", "queues": "Close other programs on this computer.",
     "live picture": "Close other programs on this computer.", "crtk": "Check the client.",
@@ -113,7 +123,7 @@ def robot(message):
 
 def answer(text):
     """The trainer's one word, or its message, as a sentence."""
-    return ANSWERS.get(text) or sentence(text)
+    return ANSWERS.get(text) or sentence(text or "done")
 
 
 def clear_refused(mode, pedal, robot_is_stopped):
@@ -145,7 +155,7 @@ def health(statuses):
     """@param statuses: [(name, level 0 to 3, message)]. @return (level, sentences: green, or the worst and its remedy; the trainer's words)."""
     worst = max(statuses, key=lambda status: status[1], default=None)
     if worst is None:
-        return 2, "The trainer does not answer. If this lasts, end the session.", ""
+        return 2, "The trainer does not answer. If this lasts, press Stop session.", ""
     name, level, message = worst
     if level == 0:
         return 0, "Everything works.", ""

@@ -72,7 +72,7 @@ struct Snapshot : Constructed {
 /**
  * Console, daemon and virtual Raven in lockstep for a program: LockstepStack with commands from outside. All its state
  * is in one arena. Calls may come from any thread; they wait for each other. After close() all of them throw
- * ClosedError.
+ * std::runtime_error.
  */
 class Simulation : public Constructed {
  public:

@@ -10,6 +10,7 @@ roslaunch_config = pytest.importorskip("roslaunch.config")
 
 LAUNCH = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "launch", "training.launch")
 HARDWARE = os.path.join(os.path.dirname(LAUNCH), "hardware.launch")
+STATION = os.path.join(os.path.dirname(LAUNCH), "station.launch")
 
 
 @pytest.fixture(autouse=True)
@@ -214,3 +215,10 @@ def test_a_real_robot_has_its_drill_only_if_asked_for():
     assert nodes(HARDWARE, "robot_host:=10.0.0.2")["simulator"]["--drill"] == "none"
     seen = nodes(HARDWARE, "robot_host:=10.0.0.2", "exercise:=peg_transfer", "drill:=own")["simulator"]
     assert chosen(seen) == ["peg_transfer", "own", "none"]
+
+
+def test_the_station_gets_the_arguments_of_its_launch_file():
+    plain = nodes(STATION, "sessions:=/tmp/a b")["station"]
+    assert plain == {"--port": "8080", "--sessions": "/tmp/a b"}
+    seen = nodes(STATION, "port:=9000", "config:=/my own/trainer.yaml", "robot_host:=192.168.7.2", "scale:=0.1")["station"]
+    assert (seen["--port"], seen["--config"], seen["--robot-host"], seen["--scale"]) == ("9000", "/my own/trainer.yaml", "192.168.7.2", "0.1")

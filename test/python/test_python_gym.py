@@ -176,6 +176,13 @@ def test_the_environments_keep_gymnasiums_rules(python):
     assert done.returncode == 0 and "all good" in done.stdout, done.stderr[-3000:]
 
 
+def test_nothing_that_a_caller_passes_to_an_environment_ends_the_interpreter(python, tmp_path):
+    """As test_python_interpreter.py, which has no gymnasium."""
+    done = subprocess.run([python, ROOT / "test/python/fuzz_module.py", "11", "2", "gym"], capture_output=True, text=True, cwd=tmp_path, timeout=300,
+                          check=False, env={**os.environ, "PYTHONPATH": str(BUILD / "devel/lib/python3/dist-packages")})
+    assert done.returncode == 0, done.stderr[-3000:]
+
+
 def test_without_gymnasium_the_module_says_what_is_missing():
     done = subprocess.run(["/usr/bin/python3", "-c", "import raven2_trainer.gym"], capture_output=True, text=True, timeout=60, check=False,
                           env={**os.environ, "PYTHONPATH": str(BUILD / "devel/lib/python3/dist-packages")})

@@ -4,6 +4,8 @@
     test/system/station_benchmark.py latency [--samples N]     # hand to picture: from a mouse event to the frame that shows the motion
     test/system/station_benchmark.py load [--seconds S]        # processor time of the station with an instructor's and a trainee's page
     test/system/station_benchmark.py watchers [--runs N] [--seconds S]   # on-time ratio of the 1 kHz loops with and without ten watchers
+    test/system/station_benchmark.py answers                   # from a click on each of the instructor's buttons to its answer
+    test/system/station_benchmark.py pedal [--samples N]       # from a lost focus to the pedal that is up, as the page sees it
 
 Needs the built programs, chromium, chromium-driver and python3-selenium. Exit status: 0 measured, 1 not.
 """
@@ -13,14 +15,16 @@ import asyncio
 import json
 import os
 import statistics
+import subprocess
 import sys
 import time
 
 import psutil
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from stack import BUILD  # noqa: E402
 from station_rig import Page, Station  # noqa: E402
-from test_station_browser import ActionChains, Browser, By, Keys, Select  # noqa: E402
+from test_station_browser import ActionChains, Browser, By, Keys, Select, press_pedal  # noqa: E402
 
 # Returns a number that changes with the picture. Reads the area right of the status text, where only arms move.
 PRINT = """
@@ -102,25 +106,47 @@ def processes_of(station):
     return [parent, *[p for p in parent.children(recursive=True) if "ros_side" in " ".join(p.cmdline())]]
 
 
+def frames_of(browser, window):
+    browser.driver.switch_to.window(window)
+    return int(browser["picture"].get_attribute("data-frames") or 0)
+
+
 def load(options):
+    """Both pages are visible: in windows of one headless Chromium."""
     with Station() as station:
         browser = Browser(station.url)
         start_browser_session(browser)
-        ours = processes_of(station)
+        ours, windows = processes_of(station), browser.driver.window_handles
+        shown = [-frames_of(browser, window) for window in windows]
         before = [sum(p.cpu_times()[:2]) for p in ours]
         begun = time.monotonic()
         while time.monotonic() - begun < options.seconds:
             ActionChains(browser.driver, duration=20).move_by_offset(4, 0).move_by_offset(-4, 0).perform()
         spent, wall = [sum(p.cpu_times()[:2]) - b for p, b in zip(ours, before)], time.monotonic() - begun
+        shown = [(frames + frames_of(browser, window)) / wall for frames, window in zip(shown, windows)]
         browser.close()
     print(json.dumps({"server_share": round(spent[0] / wall, 3), "ros_side_share": round(sum(spent[1:]) / wall, 3),
-                      "together": round(sum(spent) / wall, 3)}))
+                      "together": round(sum(spent) / wall, 3),
+                      "pictures_per_second": {"instructor": round(shown[0], 1), "trainee": round(shown[1], 1)}}))
 
 
 def on_time(directory):
     with open(os.path.join(directory, "metrics.json"), encoding="utf-8") as file:
         timing = json.load(file)["timing"]
     return min(loop["on_time"] / loop["ticks"] for name, loop in timing.items() if name in ("physics", "haptic"))
+
+
+def bare_threads(folder, seconds):
+    """Empty 1 kHz threads while the session runs. @return the process and its file of figures."""
+    figures = os.path.join(folder, "bare.json")
+    command = [os.path.join(BUILD, "devel/lib/raven2_trainer/timing_check"), "--bare", "--calibrate", str(seconds), "--json", figures]
+    return subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL), figures
+
+
+def bare_on_time(process, figures):
+    assert process.wait(60) == 0
+    with open(figures, encoding="utf-8") as file:
+        return min(loop["on_time"] / loop["ticks"] for loop in json.load(file).values())
 
 
 async def watched(station, watchers, seconds):
@@ -130,30 +156,111 @@ async def watched(station, watchers, seconds):
         assert answer["ok"], answer
         for each in pages:
             await each.__aenter__()
+        bare = bare_threads(station.folder, seconds)
         await asyncio.sleep(seconds)
         pictures = [each.pictures / seconds for each in pages]
         for each in pages:
             await each.__aexit__()
         await page.ask("stop")
         await page.until(lambda: page.phase() == "idle", 20, "the session has ended")
-    return on_time(answer["more"]), (min(pictures) if pictures else None)
+    return on_time(answer["more"]), bare_on_time(*bare), (min(pictures) if pictures else None)
 
 
 def watchers(options):
-    shares = {0: [], 10: []}
+    shares, bare = {0: [], 10: []}, {0: [], 10: []}
     with Station() as station:
         for run in range(2 * options.runs):
             count = 10 * (run % 2)
-            share, rate = asyncio.run(watched(station, count, options.seconds))
+            share, empty, rate = asyncio.run(watched(station, count, options.seconds))
             shares[count].append(share)
-            print(f"{run + 1}/{2 * options.runs}: {count} watchers, on time {share:.5f}, pictures {rate}", file=sys.stderr, flush=True)
-    print(json.dumps({"without": statistics.median(shares[0]), "with_ten": statistics.median(shares[10])}))
+            bare[count].append(empty)
+            print(f"{run + 1}/{2 * options.runs}: {count} watchers, on time {share:.5f}, bare threads {empty:.5f}, pictures {rate}",
+                  file=sys.stderr, flush=True)
+    median = statistics.median
+    print(json.dumps({"without": median(shares[0]), "with_ten": median(shares[10]),
+                      "bare_without": median(bare[0]), "bare_with_ten": median(bare[10])}))
+
+
+# Clicks a button and waits for the next text at the bottom of the page, and for the one behind it that is not "Button ...".
+ASK = """
+const done = arguments[arguments.length - 1];
+const said = document.getElementById("said");
+said.textContent = "";
+const begun = performance.now();
+let first = null;
+const watch = new MutationObserver(() => {
+  if (!said.textContent) return;
+  first ??= performance.now() - begun;
+  if (said.textContent.endsWith("\u2026")) return;
+  watch.disconnect();
+  done([first, performance.now() - begun, said.textContent]);
+});
+watch.observe(said, { childList: true, characterData: true, subtree: true });
+document.querySelector(`[data-test="${arguments[0]}"]`).click();
+"""
+BUTTONS = ("inject", "stop-hazard", "pause", "restart", "view", "take-hands", "take-hands", "plan", "execute", "cancel-plan", "begin-simulation",
+           "end-simulation", "disengage", "engage", "emergency-stop", "clear-stop", "next")
+
+
+def answers(_):
+    found = {}
+    with Station() as station:
+        browser = Browser(station.url)
+        browser.open()
+        browser.choose(exercise="pick_hand_over_place", hazard="sudden_jump", when="instructor", driver="browser")
+        browser.click("start")
+        browser.until(lambda: browser.text("mode").startswith("Ready"), 25, "the robot is ready")
+        browser.driver.set_script_timeout(60)
+        for name in BUTTONS:
+            first, answer, text = browser.driver.execute_async_script(ASK, name)
+            found[name] = {"first_ms": round(first), "answer_ms": round(answer), "answer": text}
+            print(f"{name}: {first:.0f} ms, answer {answer:.0f} ms: {text}", file=sys.stderr, flush=True)
+            time.sleep(0.5)
+        browser.close()
+    print(json.dumps({"largest_first_ms": max(each["first_ms"] for each in found.values()), "buttons": found}))
+
+
+# Notes when the page loses the focus, and when it learns that the pedal is up.
+LOSE = """
+window.took = null;
+let blurred = null;
+const mode = document.getElementById("mode"), isDown = () => mode.textContent.startsWith("The hands");
+window.addEventListener("blur", () => { if (isDown()) blurred = performance.now(); }, { once: true });
+if (window.watch) window.watch.disconnect();
+window.watch = new MutationObserver(() => { if (blurred !== null && !isDown()) window.took ??= performance.now() - blurred; });
+window.watch.observe(mode, {childList: true});
+"""
+
+
+def pedal(options):
+    found = []
+    with Station() as station:
+        browser = Browser(station.url)
+        start_browser_session(browser)
+        driver = browser.driver
+        page = driver.current_window_handle
+        for i in range(options.samples):
+            time.sleep(0.5)
+            driver.execute_script(LOSE)
+            driver.switch_to.new_window("tab")
+            time.sleep(0.5)
+            driver.close()
+            driver.switch_to.window(page)
+            took = driver.execute_script("return window.took")
+            if took is not None:  # else the pedal was up before: a busy machine had stalled the page or the console
+                found.append(took)
+            print(f"{i + 1}/{options.samples}: {took and round(took)} ms", file=sys.stderr, flush=True)
+            screen = driver.find_element(By.ID, "screen")
+            ActionChains(driver).move_to_element(screen).click().perform()
+            press_pedal(browser)
+        browser.close()
+    print(json.dumps({"samples": len(found), "median_ms": round(statistics.median(found)), "largest_ms": round(max(found))}))
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     kinds = parser.add_subparsers(required=True)
-    for name, function in (("latency", latency), ("load", load), ("watchers", watchers)):
+    for name, function in (("latency", latency), ("load", load), ("watchers", watchers), ("answers", answers), ("pedal", pedal)):
         kind = kinds.add_parser(name)
         kind.set_defaults(run=function)
         kind.add_argument("--samples", type=int, default=40)

@@ -4,14 +4,16 @@ import asyncio
 import contextlib
 import json
 import os
+import subprocess
 import sys
+import threading
 import time
 
 import numpy as np
 import psutil
 import pytest
 from stack import ROOT, wait_until
-from station_rig import Page, start, stop
+from station_rig import Page, end_session, start, stop
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -191,6 +193,41 @@ def test_a_killed_station_finds_its_session_again_within_3_s(station):
     asyncio.run(scenario())
 
 
+# Prints the trainer's mode whenever it changes.
+MODES = """
+import rospy
+from raven2_trainer.msg import TrainerMode
+rospy.init_node("modes", anonymous=True, disable_signals=True)
+rospy.Subscriber("mode", TrainerMode, lambda message: print(message.mode, flush=True))
+rospy.spin()
+"""
+
+
+def test_the_pedal_comes_up_if_the_station_is_killed(station):
+    """No page can see that: a node hears the trainer's mode."""
+    async def scenario(modes):
+        async with Page(station.url) as page:
+            await start(page, driver="browser", exercise="none", hazard="none")
+            async with Page(station.url, "trainee") as trainee:
+                assert (await trainee.ask("drive"))["ok"]
+                await page.until(lambda: page.mode() == "pedal_up", 25, "the robot is ready")
+                await engage(page, trainee)
+                assert modes() == "teleoperating"
+                station.kill()
+                wait_until(lambda: modes() == "pedal_up", 2, "the pedal is up")
+
+    listener = station.master.popen(sys.executable, "-c", MODES, stdout=subprocess.PIPE)
+    heard = []
+    threading.Thread(target=lambda: heard.extend(iter(listener.stdout.readline, "")), daemon=True).start()
+    try:
+        asyncio.run(scenario(lambda: heard[-1].strip() if heard else ""))
+    finally:
+        listener.kill()
+        listener.wait()
+    station.start()
+    asyncio.run(end_session(station))
+
+
 def test_what_is_killed_is_named_within_2_s_and_over_by_itself(station):
     async def scenario():
         async with Page(station.url) as page:
@@ -221,7 +258,7 @@ def test_a_stalled_page_gives_the_hands_back(station):
             await start(page, driver="browser")
             async with Page(station.url, "trainee") as trainee:
                 assert (await trainee.ask("drive"))["ok"]
-                await trainee.ask("watch", pictures=["view", "camera"])
+                await trainee.ask("watch", pictures=["view", "second"])
                 trainee._reader.cancel()
                 transport = trainee.socket._response.connection.transport
                 transport.pause_reading()

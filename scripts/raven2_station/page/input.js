@@ -1,5 +1,5 @@
 // Mouse, keyboard and gamepad as two hands. Motion is of the device [m, rad], in the axes of config/masters/browser.yaml:
-// x right, y forward, z up. The picture is the endoscope's, looking forward and down.
+// x right, y forward, z up.
 
 const M_PER_PIXEL = 0.001;     // [m] of the device: the tool moves a tenth of it
 const M_PER_NOTCH = 0.012;     // [m] of the device, a notch of the wheel along the view
@@ -7,6 +7,9 @@ const RAD_PER_PIXEL = 0.004;
 const RAD_PER_NOTCH = 0.12;
 const STICK_SPEED = 0.25;      // [m/s] of the device at a stick's end
 const JAW_OPEN = 0.6;          // [rad]
+// Axes of the picture until the station sends them: the endoscope's, which looks forward and down.
+const HELD = { right: [1, 0, 0], up: [0, 0, 1], into: [0, 1, 0] };
+const VIEW = { right: [1, 0, 0], up: [0, 0.65, 0.76], into: [0, 0.76, -0.65] };
 const DEAD_BAND = 0.12;
 const NOTCH = 100;             // wheel units of a notch
 
@@ -44,6 +47,7 @@ export class Hands {
     this.speed = 1;
     this.triggers = { gold: 0, green: 0 };
     this.gripping = null;  // the arm whose jaws the left button holds
+    this.look(null);
     this.reset();
     screen.addEventListener("mousemove", (e) => this.mouse(e));
     screen.addEventListener("wheel", (e) => this.wheel(e), { passive: false });
@@ -66,23 +70,42 @@ export class Hands {
     return document.pointerLockElement === this.screen;
   }
 
-  add(list, values) {
-    values.forEach((v, i) => { list[i] += v * this.speed; });
+  // The axes of the present picture, or null: unknown.
+  look(axes) {
+    this.view = axes ? { right: axes[0], up: axes[1], into: axes[2] } : VIEW;
+    const size = Math.hypot(this.view.right[0], this.view.right[1]);
+    const [x, y] = size > 0.1 ? this.view.right.map((v) => v / size) : [1, 0];
+    this.level = { right: [x, y, 0], up: [0, 0, 1], into: [-y, x, 0] };
+  }
+
+  // Of a direction [right, forward, up]: its parts to the right and up in the picture.
+  inPicture(direction) {
+    return [this.view.right, this.view.up].map((axis) => axis.reduce((sum, v, i) => sum + v * direction[i], 0));
+  }
+
+  // Adds way or angle along the axes of the view, or of the level.
+  add(list, axes, right, up, into) {
+    list.forEach((_, i) => { list[i] += this.speed * (right * axes.right[i] + up * axes.up[i] + into * axes.into[i]); });
+  }
+
+  // The hands move the camera as if they held it, wherever it is.
+  get axes() {
+    return this.camera ? HELD : this.view;
   }
 
   mouse(event) {
     if (!this.isLocked) return;
     const [dx, dy] = [event.movementX, event.movementY];
-    if (this.turning) this.add(this.turns[this.arm], [-dy * RAD_PER_PIXEL, 0, -dx * RAD_PER_PIXEL]);
-    else this.add(this.moves[this.arm], [dx * M_PER_PIXEL, -dy * M_PER_PIXEL * 0.7, -dy * M_PER_PIXEL * 0.7]);
+    if (this.turning) this.add(this.turns[this.arm], this.level, -dy * RAD_PER_PIXEL, -dx * RAD_PER_PIXEL, 0);
+    else this.add(this.moves[this.arm], this.axes, dx * M_PER_PIXEL, -dy * M_PER_PIXEL, 0);
   }
 
   wheel(event) {
     if (!this.isLocked) return;
     event.preventDefault();
     const notches = Math.max(-3, Math.min(3, -event.deltaY / NOTCH));
-    if (this.turning) this.add(this.turns[this.arm], [0, notches * RAD_PER_NOTCH, 0]);
-    else this.add(this.moves[this.arm], [0, notches * M_PER_NOTCH * 0.7, -notches * M_PER_NOTCH * 0.7]);
+    if (this.turning) this.add(this.turns[this.arm], this.level, 0, 0, notches * RAD_PER_NOTCH);
+    else this.add(this.moves[this.arm], this.axes, 0, 0, notches * M_PER_NOTCH);
   }
 
   button(event, isDown) {
@@ -124,8 +147,9 @@ export class Hands {
     const step = STICK_SPEED * seconds;
     const up = (pressed(12) ? 1 : 0) - (pressed(13) ? 1 : 0);
     const upGreen = (pressed(3) ? 1 : 0) - (pressed(0) ? 1 : 0);
-    this.add(this.moves.gold, [stick(0) * step, -stick(1) * step, up * step]);
-    this.add(this.moves.green, [stick(2) * step, -stick(3) * step, upGreen * step]);
+    const axes = this.camera ? HELD : this.level;
+    this.add(this.moves.gold, axes, stick(0) * step, up * step, -stick(1) * step);
+    this.add(this.moves.green, axes, stick(2) * step, upGreen * step, -stick(3) * step);
     this.padPedal = pressed(4) || pressed(5);
     this.trigger("gold", pad.buttons[6]);
     this.trigger("green", pad.buttons[7]);
@@ -147,7 +171,7 @@ export class Hands {
   // The motion since the last call, as a message of the hands.
   take(seconds) {
     const roll = (this.held.has("roll_right") ? 1 : 0) - (this.held.has("roll_left") ? 1 : 0);
-    this.turns[this.arm][1] += roll * 1.5 * seconds;
+    this.level.into.forEach((v, i) => { this.turns[this.arm][i] += roll * 1.5 * seconds * v; });
     const message = { pedal: this.pedal || this.padPedal, camera: this.camera, arms: {} };
     for (const arm of ["gold", "green"]) message.arms[arm] = { move: this.moves[arm], turn: this.turns[arm], jaw: this.jaws[arm] };
     this.moves = { gold: [0, 0, 0], green: [0, 0, 0] };

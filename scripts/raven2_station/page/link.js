@@ -80,7 +80,7 @@ export class Link {
 
   take(data) {
     if (data instanceof ArrayBuffer) {
-      const which = new Uint8Array(data, 0, 1)[0] === 0 ? "view" : "camera";
+      const which = new Uint8Array(data, 0, 1)[0] === 0 ? "view" : "second";
       this.onPicture(which, new Blob([new Uint8Array(data, 1)], { type: "image/jpeg" }));
       this.send("shown");
       return;

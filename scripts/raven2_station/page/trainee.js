@@ -35,6 +35,7 @@ const link = new Link("trainee", {
   station: showStation,
   exercise: (m) => showTask(m, steps[m.exercise] || [], tracks[m.exercise] || []),
   strips: showForce,
+  axes: (m) => hands.look(m.axes),
 }, (_, blob) => { lastPicture = performance.now(); picture.show(blob); }, (isOpen) => {
   isConnected = isOpen;
   if (isOpen) link.wantPictures(["view"]);  // the station answers with its state
@@ -143,9 +144,9 @@ function showForce(message) {
     const arrow = byId(`push-${arm}`);
     arrow.hidden = force < NOTICEABLE;
     // base frames: gold x up, y to the surgeon, z right; green x up, y forward, z left
-    const [x, , z] = message.push[arm];
-    const right = arm === "gold" ? z : -z;
-    arrow.style.transform = `rotate(${Math.atan2(-x, right)}rad) scale(${Math.min(1.6, 0.6 + force / 3)})`;
+    const [x, y, z] = message.push[arm];
+    const [right, up] = hands.inPicture(arm === "gold" ? [z, -y, x] : [-z, y, x]);
+    arrow.style.transform = `rotate(${Math.atan2(-up, right)}rad) scale(${Math.min(1.6, 0.6 + force / 3)})`;
   }
   screen.classList.toggle("forced", strongest >= NOTICEABLE);
   if (strongest >= NOTICEABLE && now - lastBeep > 150) {

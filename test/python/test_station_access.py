@@ -1,0 +1,68 @@
+"""Tests logins, passwords and the addresses that may use the station."""
+
+import pathlib
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "scripts"))
+from raven2_station import access  # noqa: E402
+
+
+def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypatch):
+    door = access.Access(None, tmp_path / "logins.json")
+    token = door.login()
+    assert door.knows(token) and not door.knows(token[:-1] + "?") and not door.knows(None) and not door.knows("")
+    assert (tmp_path / "logins.json").stat().st_mode & 0o077 == 0
+    assert access.Access(None, tmp_path / "logins.json").knows(token)
+    (tmp_path / "logins.json").chmod(0o644)
+    assert not access.Access(None, tmp_path / "logins.json").knows(token), "others could have written it"
+    assert not door.knows("\udcff") and not door.knows("\u00fc"), "a header may have any bytes"
+    now = access.time.time()
+    monkeypatch.setattr(access.time, "time", lambda: now + access.LIFETIME + 1)
+    assert not door.knows(token)
+
+
+def test_a_login_holds_on_a_full_disk_until_the_station_ends(tmp_path, capsys):
+    (tmp_path / "logins.part").symlink_to("/dev/full")
+    door = access.Access(None, tmp_path / "logins.json")
+    assert door.knows(door.login())
+    assert "log in again" in capsys.readouterr().err
+
+
+def test_wrong_passwords_are_counted_and_then_wait():
+    door = access.Access(access.make_hash("right"))
+    assert not access.fits("right", "scrypt$nonsense") and not access.fits("right", "") and access.make_hash("a") != access.make_hash("a")
+    assert door.needs_password and door.check_password("right") == ""
+    for _ in range(access.TRIES):
+        assert door.check_password("wrong") == "Wrong password."
+    assert "wait" in door.check_password("right")
+
+
+def test_wrong_passwords_are_forgotten_after_a_minute(monkeypatch):
+    door, now = access.Access(access.make_hash("right")), access.time.monotonic()
+    for _ in range(access.TRIES):
+        door.check_password("wrong")
+    monkeypatch.setattr(access.time, "monotonic", lambda: now + access.TRIES_IN + 30.0)
+    assert door.check_password("right") == ""
+
+
+def test_an_address_that_only_looks_local_is_not():
+    for address in ("127.0.0.1.evil.example", "127.evil.example", "localhost.evil.example", "127.0.0.256", "", "1"):
+        assert not access.is_loopback(address), address
+    for address in ("127.0.0.1", "127.255.0.9", "::1", "localhost"):
+        assert access.is_loopback(address), address
+
+
+def test_an_origin_that_is_no_address_is_foreign():
+    assert not access.same_origin("http://[", "localhost:8080") and not access.same_origin("http://[::1", "[::1]:8080")
+
+
+def test_origins_and_names():
+    assert access.same_origin("http://localhost:8080", "localhost:8080")
+    for origin in (None, "", "null", "http://evil.example", "http://localhost:8081", "https://localhost:8080.evil.example"):
+        assert not access.same_origin(origin, "localhost:8080")
+    for host in ("localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost"):
+        assert access.is_local_name(host)
+    for host in ("evil.example:8080", "127.0.0.1.evil.example", ""):
+        assert not access.is_local_name(host)
+    assert access.is_loopback("127.0.0.5") and not access.is_loopback("0.0.0.0")
