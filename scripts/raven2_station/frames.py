@@ -23,31 +23,31 @@ class Frames:
         self._links[child] = (parent, translation, rotation)
         self._stamps[child] = stamp
 
-    def origin(self, frame, root="world"):
-        """[m] of the frame's origin in `root`; None while a link of the chain is missing."""
-        point = [0.0, 0.0, 0.0]
+    def _chain(self, frame, root):
+        """[(translation, rotation)] from the frame up to `root`; None while a link is missing."""
+        chain = []
         for _ in range(self.DEEPEST):
             if frame == root:
-                return point
-            link = self._links.get(frame)
-            if link is None:
+                return chain
+            if frame not in self._links:
                 return None
-            frame, translation, rotation = link
-            point = [t + p for t, p in zip(translation, rotated(rotation, point))]
+            frame, *link = self._links[frame]
+            chain.append(link)
         return None
+
+    def origin(self, frame, root="world"):
+        """[m] of the frame's origin in `root`; None while a link of the chain is missing."""
+        chain, point = self._chain(frame, root), [0.0, 0.0, 0.0]
+        for translation, rotation in chain or ():
+            point = [t + p for t, p in zip(translation, rotated(rotation, point))]
+        return None if chain is None else point
 
     def rotation(self, frame, root="world"):
         """Quaternion x, y, z, w of the frame in `root`; None while a link of the chain is missing."""
-        q = [0.0, 0.0, 0.0, 1.0]
-        for _ in range(self.DEEPEST):
-            if frame == root:
-                return q
-            link = self._links.get(frame)
-            if link is None:
-                return None
-            frame, _, rotation = link
+        chain, q = self._chain(frame, root), [0.0, 0.0, 0.0, 1.0]
+        for _, rotation in chain or ():
             q = product(rotation, q)
-        return None
+        return None if chain is None else q
 
     def view(self, frame):
         """Axes to the right, up and into the picture of an optical frame, each along the axes of a browser's hand device
