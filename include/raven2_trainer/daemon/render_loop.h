@@ -58,9 +58,9 @@ class RenderLoop {
   /**
    * Draws the newest states, as far as faults of the video let them be seen, and hands the picture out. While somebody
    * looks at them (SharedState::pictures_watched), both eyes' pictures follow, and in one frame of kSecondEvery the
-   * second camera's; if drawing is slow, once a second. Where a frame takes too long, the next ones are smaller or fewer
-   * (LivePace); stderr and SharedState::live_picture say so. While no picture has a client, most calls only follow the
-   * states, so that a picture does not depend on earlier clients: one call in kUnwatchedPeriod draws.
+   * second camera's; if drawing is slow, once a second. Where a frame takes too long, the next ones are smaller or
+   * fewer (LivePace); stderr and SharedState::live_picture say so. While no picture has a client, most calls only
+   * follow the states, so that a picture does not depend on earlier clients: one call in kUnwatchedPeriod draws.
    */
   void frame();
   static constexpr double kUnwatchedPeriod = 1.0;  ///< [s] shows on /diagnostics that pictures still can be drawn
