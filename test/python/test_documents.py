@@ -207,11 +207,11 @@ DAEMON = ("ROS: topics of the daemon", "ROS: services and the action of the daem
 
 
 def known_of_daemon():
-    """Names on doc/interfaces.md: in the tables, after "Heard:" (subscribed topics), and the action."""
+    """Names on doc/interfaces.md: in the tables, after "Subscribed:", and the action."""
     names = set().union(*(interface_page.names(title) for title in DAEMON))
     topics, services = map(interface_page.section, DAEMON)
-    heard = topics[topics.index("\nHeard: "):].replace("\n", " ")
-    return names | set(re.findall(r"`([\w/]+)` \(sensor_msgs", heard)) | set(re.findall(r"\nAction `(\w+)`", services))
+    subscribed = topics[topics.index("\nSubscribed: "):].replace("\n", " ")
+    return names | set(re.findall(r"`([\w/]+)` \(sensor_msgs", subscribed)) | set(re.findall(r"\nAction `(\w+)`", services))
 
 
 def known_of_ros():

@@ -219,7 +219,7 @@ class Shell:
         home = self.log / "home"
         home.mkdir()
         environment = dict(os.environ, PATH=self._path, HOME=str(home), TMPDIR=str(self.folder), ROS_HOME=str(home),
-                           ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1",
+                           ROS_LOG_DIR=str(home), ROS_IP="127.0.0.1", PYTHONUNBUFFERED="1",  # as in a terminal
                            ROS_MASTER_URI=f"http://127.0.0.1:{self.master}", RAVEN2_TRAINER_SHARE=str(self._share))
         self._bash = subprocess.Popen(["bash"], stdin=subprocess.PIPE, text=True, cwd=self.folder, env=environment,
                                       start_new_session=True)

@@ -16,26 +16,26 @@ enum class Event : std::uint8_t {
   kStopCleared,     ///< the robot left E-STOP
   kTimeSlip,        ///< simulated time was lost: a backlog too long to catch up
   kGoalWanted,      ///< the surgeon wants to show the model's goal
-  kPlanArmed,       ///< the plan that is there shall be executed
+  kPlanArmed,       ///< execution of the plan was requested
   kPlanCancelled,   ///< choosing, planning or executing was given up
   kExecutionEnded,  ///< model and robot hold where they are
-  kTrialEnded,      ///< the same of the model alone
+  kTrialEnded,      ///< the execution by the model alone has ended, and the model holds
   kSimulationWanted,
   kSimulationEnded,  ///< the model goes back to the robot
   kTrialWanted,      ///< a virtual trial, whose motion is kept
-  kTrialDone,        ///< nothing more is kept
+  kTrialDone,        ///< recording has ended
   kTrialDiscarded,
   kRepeatWanted,      ///< the trial shall be repeated: first back to where it began
-  kRepeatArmed,       ///< there
+  kRepeatArmed,       ///< the model is where the trial began
   kRepeatShown,       ///< the model repeated it alone and holds
-  kReturnWanted,      ///< the model is away from a robot that is there
-  kReturned,          ///< no longer
+  kReturnWanted,      ///< the model is away from a connected robot
+  kReturned,          ///< the model is back at the robot, or at the start of the trial
   kCameraPressed,     ///< the camera's pedal
-  kCameraLeft,        ///< it is up again, and was pressed with model and robot together,
-  kCameraLeftAlone,   ///< in pure simulation,
-  kCameraLeftOnTape,  ///< in a virtual trial
+  kCameraLeft,        ///< the camera pedal went up, after teleoperation
+  kCameraLeftAlone,   ///< the same after pure simulation
+  kCameraLeftOnTape,  ///< the same after a virtual trial
   kReplayWanted,      ///< a recorded session shall be shown
-  kReplayEnded,       ///< no longer, for whatever reason: everything is again as it was
+  kReplayEnded,       ///< the replay ended, for whatever reason; everything is set back
 };
 constexpr std::size_t kEventCount = 30;
 

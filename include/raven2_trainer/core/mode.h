@@ -33,7 +33,8 @@ constexpr std::array<const char*, kModeCount> kModeNames{
     "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
     "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
-/** Part of the physics loop that carries out a mode. At a change of mode and in a tick all are asked in this order. */
+/** Part of the physics loop that carries out a mode. All are called in this order, at each change of mode and in each
+ * tick. */
 enum class ActivityKind : std::uint8_t {
   kExecution,
   kTrial,

@@ -35,9 +35,8 @@ class FaultEngine {
  public:
   explicit FaultEngine(FaultHost host) noexcept : host_(host) {}
 
-  /** Takes over a plan if its generation is new: faults that stay keep their progress, unless it is another session's:
-   *  then everything begins again, the clocks of the pedal and of packets too. A suspended plan leaves the faults in
-   *  their places, and none acts. */
+  /** Takes over a plan if its generation is new. Faults that stay keep their progress. Another session's plan restarts
+   *  everything, also the clocks of pedal and packets. With a suspended plan the present faults stay, and none acts. */
   void setPlan(const FaultPlan& plan) noexcept;
 
   /** Once a cycle, before any apply. */
@@ -45,15 +44,15 @@ class FaultEngine {
   /** Once a packet, before any apply to it. */
   void beginPacket(bool pedal_down) noexcept;
 
-  /** None acts until it is false again. Time goes on: faults that become due meanwhile are skipped for as long. */
+  /** While held, no fault acts. Its clocks run on: a fault that is due meanwhile acts only for the time then left. */
   void hold(bool is_held) noexcept;
   bool isHeld() const noexcept { return held_; }
 
-  /** Is there anything for this host, and may it act? */
+  /** Whether faults of this host are armed and may act. */
   bool isArmed() const noexcept { return kHasHooks && armed_; }
 
   /** The oldest unreported beginning or end; the host sets `cycle`, by its clock. @return false without
-   * one. If nobody asks, the newest are lost. */
+   * one. Beyond kMaxChanges unread ones, the newest are lost. */
   bool nextChange(FaultChange* change) noexcept;
   /** Number of changes that were lost because the host did not read them. */
   std::uint64_t changesUnreported() const noexcept { return number_ - changes_begun_; }
@@ -118,7 +117,7 @@ class FaultEngine {
     std::array<Element, kChannels> elements{};
   };
 
-  static constexpr std::size_t kMaxChanges = 64;  ///< of one host between two questions: all rows, four times over
+  static constexpr std::size_t kMaxChanges = 64;  ///< unread ones of a host: each row begins and ends four times
 
   void start(const Fault& fault, Progress* progress) const noexcept;
   void takeOver(const FaultPlan& plan) noexcept;

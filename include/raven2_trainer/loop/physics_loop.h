@@ -45,14 +45,14 @@ class PhysicsLoop {
 
   /** Simulated time was lost (CyclicThread): pauses the exercise and unlinks the robot until the next pedal-down. */
   void timeSlip() noexcept;
-  /** The same at the next tick, from any thread: another loop lost time. */
+  /** As timeSlip(), at the next tick; for any thread whose loop lost time. */
   void requestPause() noexcept;
 
   /** Inputs of fault triggers, from the next tick on. Call it in the thread of tick(). */
   void setSignals(const FaultSignals& signals) noexcept;
 
-  /** Number of the masters' newest packet that was used, behind the faults on their stream; 0 before the first. In the
-   *  thread of tick(). */
+  /** Number of the newest used packet of the masters, after the faults on their stream; 0 before the first. Call it in
+   *  the thread of tick(). */
   std::uint32_t newestCommand() const noexcept;
 
   /** Names of bodies by their numbers in contacts. */

@@ -23,8 +23,8 @@ class RobotLink {
  public:
   /** [ns] Limit of the estimate, which may be too small by kMaxErrorNs: no state older than 50 ms is applied. */
   static constexpr std::int64_t kMaxDelayNs = 50'000'000 - wire::FrameDelay::kMaxErrorNs;
-  /** [ns] Without an applied state for this long, the daemon connects again. Frames have no time to queue up, and it is
-   * sooner than a connection recovers after a broken network. */
+  /** [ns] Without an applied state for this long, the daemon connects again. This is too short for frames to queue up,
+   * and shorter than TCP needs to recover after a broken network. */
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;
 
   /** @param[in] session identifies this run of the daemon: a robot continues the faults of a known session, and starts
@@ -38,15 +38,15 @@ class RobotLink {
   /** Takes received bytes. @return false: the stream is broken, close the connection. */
   bool receive(const std::uint8_t* bytes, std::size_t size, std::int64_t now_ns);
 
-  /** @return true if no state was applied for kSilenceNs since the first call on this connection: close it. */
+  /** The first call on a connection starts the time. @return true: no state was applied for kSilenceNs; close it. */
   bool isSilent(std::int64_t now_ns) noexcept;
 
   /** Sends the fault plan again. A robot refuses it while another connection owns its plan, perhaps our last one, whose
    * end it has not noticed yet. */
   void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
-  /** A frame to send now; more than one may be due. The plan, when it changed or the robot is new. Before it, and when
-   *  they change, the inputs of its triggers.
+  /** The next frame to send; to be called until it returns 0. The plan is sent if it changed or the robot is new. The
+   *  inputs of its triggers are sent before it, and when they change.
    *  @param[out] out at least wire::kMaxFrame bytes. @return its size; 0: no frame. */
   std::size_t pendingFrame(std::uint8_t* out) noexcept;
 

@@ -29,9 +29,9 @@ struct FrameTotals {
  * the sender or another reader; one that takes no byte for kStallNs is closed. Neither send nor poll raises
  * SIGPIPE.
  *
- * With all places taken a newcomer gets that of the oldest reader of which half a message waits (markPart()), else of
- * one that has taken nothing for kYieldNs, else it is closed. So is one beyond kAdmitBurst new readers at once and one
- * every kAdmitIntervalNs after that; one that has already left costs nothing.
+ * If all places are taken, a newcomer replaces the oldest reader that sent half a message (markPart()), else the oldest
+ * that took nothing for kYieldNs, else the newcomer is closed. Newcomers beyond a burst of kAdmitBurst and one every
+ * kAdmitIntervalNs are closed, too; one that has already left does not count.
  */
 class TcpServer {
  public:
@@ -39,7 +39,7 @@ class TcpServer {
   static constexpr std::size_t kQueueFrames = 32;
   static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (sources.md 2.2)
   static constexpr std::int64_t kYieldNs = 250'000'000;    ///< [ns] a reader that waits so long may lose its place
-  // Ten a second (rule 10) would keep a good reader out for seconds after many readers on its host; a hundred, of some
+  // Ten a second would keep a good reader out for seconds after many readers on its host; a hundred, of some
   // 50 us each, cost the robot's computer half a percent of a core.
   static constexpr std::int64_t kAdmitIntervalNs = 10'000'000;
   static constexpr std::int64_t kAdmitBurst = 100;
@@ -59,8 +59,8 @@ class TcpServer {
 
   /**
    * @param[in] port 0 takes a free one.
-   * @param[in] patience [s] it is tried again for so long while another program has the port.
-   * @throw NetworkException with address, port and the system's error; of a taken port, who has it.
+   * @param[in] patience [s] how long it is tried again while another program has the port.
+   * @throw NetworkException with address, port and the system's error; for a taken port, who has it.
    */
   TcpServer(const std::string& bind_address, std::uint16_t port, double patience = kBindPatience);
   ~TcpServer();
@@ -84,7 +84,7 @@ class TcpServer {
   /** Closes a connection at the next poll(). */
   void drop(ClientId client) noexcept;
 
-  /** Says whether a part of a message of this reader waits for the rest: then it is the first to lose its place. */
+  /** Sets whether a message of this reader is incomplete. Such a reader loses its place first. */
   void markPart(ClientId client, bool has_part) noexcept;
 
   /** One connection, for reports. */

@@ -21,8 +21,8 @@ namespace raven2_trainer::planning {
 constexpr std::array<const char*, 7> kPlannerNames{"FMTstar", "FMT",      "RRTstar",   "PRMstar",
                                                    "BITstar", "ABITstar", "RRTConnect"};
 
-/** Allocates OMPL's global objects now, not at their first use. Call it first if `new` may later take other memory than
- * the heap's (src/python/heap.cpp). */
+/** Allocates OMPL's global objects now, not at their first use. Call it first if `new` may later use memory outside
+ * the heap (src/python/heap.cpp). */
 void initialiseOmpl();
 
 /** True for FMTstar and FMT, which take PlanOptions::samples. The others sample until they find a path or time out. In
@@ -89,7 +89,7 @@ struct FollowedPath {
                               ///< last one if it did not come to rest within a second
   double clearance{};         ///< [m] least distance to scene, other arm and itself, at most 50 mm; a lower bound
   double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
-  double duration{};          ///< [s] of what was followed, coming to rest included
+  double duration{};          ///< [s] of the motion, coming to rest included
   std::vector<double> arrival;  ///< [s] when each waypoint is to be reached
 };
 
@@ -165,7 +165,7 @@ class PathPlanner {
    * The simulated arm follows a path as the live model follows plans: from rest to rest on each straight edge, each in
    * the time that plan() gives it. The limit of plan() for the tracking error does not count.
    * @param[in] waypoints [rad, m] at least one. @param[in] cancel as of plan().
-   * @throw std::invalid_argument for no waypoint, or joints that are not finite; std::runtime_error if cancelled, of a
+   * @throw std::invalid_argument for no waypoint, or joints that are not finite; std::runtime_error if cancelled, for a
    * planner without a simulated arm, or if ODE gave up; ModelException.
    */
   FollowedPath rollOut(Arm arm,

@@ -20,18 +20,19 @@ struct Drawable {
   int mesh{-1};                   ///< handle from Renderer::addMesh
   Pose X_WM;                      ///< mesh in W
   std::array<float, 4> colour{};  ///< r g b a
-  /** A mark is no thing: it throws no shadow, is never translucent, and shows faintly through what hides it. */
+  /** A mark is not a physical object: no shadow, never translucent, faintly visible through what hides it. */
   bool is_mark{false};
-  std::uint32_t first{0};                                          ///< of the mesh's triangles, the first drawn
-  std::uint32_t count{std::numeric_limits<std::uint32_t>::max()};  ///< and how many from there on, as far as they go
-  bool is_fixed{false};  ///< it stays where it is: its shadow is kept for the next pictures. Wrong, it costs time only
+  std::uint32_t first{0};                                          ///< index of the first triangle drawn
+  std::uint32_t count{std::numeric_limits<std::uint32_t>::max()};  ///< number of triangles drawn, limited to the mesh's
+  /** It does not move: its shadow is kept for the next pictures. A wrong value only costs time. */
+  bool is_fixed{false};
   std::uint16_t part{0};  ///< number of a link, as in partNames(); 0: not in a Geometry
 };
 
 /** A line of text or a bar drawn over the picture. */
 struct Overlay {
   std::vector<std::string> lines;         ///< top left
-  std::vector<std::string> brief;         ///< in their place where a picture is so small that they would hide the scene
+  std::vector<std::string> brief;         ///< replaces `lines` in pictures so small that these would hide the scene
   std::vector<std::string> warnings;      ///< below them, in amber
   bool has_bars{false};                   ///< below both
   std::array<double, kArmCount> force{};  ///< [N] of the bars
@@ -43,14 +44,14 @@ struct Overlay {
 struct Scene {
   std::vector<Drawable> drawables;
   Overlay overlay;
-  bool is_black{false};  ///< nothing of it is seen, the overlay neither
+  bool is_black{false};  ///< the picture is black, overlay included
 };
 
 /** Results of plans so far. Cheap to copy: many frames share the same answers and reports. */
 struct PlanNews {
-  std::shared_ptr<const PlanResult> answer;          ///< newest of the planner; null none
-  std::shared_ptr<const PlanResult> path;            ///< newest answer that is a path; null none
-  std::shared_ptr<const ExecutionReport> execution;  ///< newest; null none
+  std::shared_ptr<const PlanResult> answer;          ///< newest of the planner; null: none yet
+  std::shared_ptr<const PlanResult> path;            ///< newest answer that is a path; null: none yet
+  std::shared_ptr<const ExecutionReport> execution;  ///< newest; null: none yet
 
   void add(std::shared_ptr<const PlanResult> newest) {
     answer = std::move(newest);
@@ -66,11 +67,11 @@ struct Snapshot {
   HapticState haptic{};
   std::string fault;  ///< name, or empty
   PlanNews plans;
-  PerArm<Vec3> contact_W{};      ///< [N] what touches each arm presses it with, all contacts of the tick together
+  PerArm<Vec3> contact_W{};      ///< [N] sum of the contact forces on each arm in this tick
   bool is_substitute{false};     ///< the view is the real camera's, and it has no picture
-  bool is_black{false};          ///< a fault of the video leaves nothing to be seen
-  bool are_eyes_swapped{false};  ///< and another shows each eye of a pair what the other should see
-  /** Of the attempt, where it was scored before the picture was drawn; shown once it is over. */
+  bool is_black{false};          ///< a fault of the video makes the picture black
+  bool are_eyes_swapped{false};  ///< a fault of the video swaps the pictures of the two eyes
+  /** Of the attempt, if it was scored before the picture is drawn; shown once the attempt is over. */
   training::AttemptVerdict verdict{};
 };
 

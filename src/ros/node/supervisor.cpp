@@ -19,7 +19,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kLookEvery = 250ms;         // so that topics are there 1 s after a master came (sources.md 2.3)
+constexpr auto kLookEvery = 250ms;         // at a master that is known
+constexpr auto kLookForOne = 100ms;        // so that topics are there 1 s after a master came (sources.md 2.3)
 constexpr auto kGoodbye = 2s;              // at most for a goodbye, to a master that answers
 constexpr double kGoodbyePatience = 0.25;  // [s] a node that leaves waits no longer for an answer
 constexpr std::size_t kStack = 8U << 20U;  // roscpp's threads inherit nothing from it, its calls are deep
@@ -35,7 +36,7 @@ struct Supervisor::Impl {
       lock.unlock();
       look();
       lock.lock();
-      wake.wait_for(lock, kLookEvery, [this] { return stop; });
+      wake.wait_for(lock, known_pid == 0 ? kLookForOne : kLookEvery, [this] { return stop; });
     }
     lock.unlock();
     end();
