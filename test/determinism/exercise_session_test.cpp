@@ -42,6 +42,7 @@ class ExerciseSession : public ::testing::Test {
     names.exercise = exercise;
     TrainerConfig config = config::loadTrainerConfig(RAVEN2_TRAINER_SOURCE_DIR "/config/trainer.yaml", names);
     config.virtual_raven.full_homing = false;
+    config.virtual_raven.homing_time = 0.3;
     config.hazard = "none";
     config.seed = seed;
     return config;

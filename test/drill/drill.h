@@ -28,6 +28,7 @@ inline TrainerConfig drillConfig(const std::string& exercise, const std::string&
                                                    config::TrainingNames{exercise, drill, "t01", "none"});
   config.seed = seed;
   config.virtual_raven.full_homing = false;
+  config.virtual_raven.homing_time = 0.3;
   config.runtime.plan_at = -1.0;
   config.console.clutch_every = 0.0;  // the pedal goes up for the drill alone
   config.exercise.begin.clear();

@@ -1,5 +1,7 @@
 #include <cstdio>
+#include <map>
 #include <ostream>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -142,13 +144,29 @@ TrainerConfig configOf(const Approach& approach, int sub_steps) {
   return config;
 }
 
+/** [m] to the surface at the usual step. Each is measured once: the same run gives the same. */
+double surfaceOf(const Approach& approach) {
+  static std::map<std::string, double> known;
+  const auto [found, is_new] = known.try_emplace(approach.name, 0.0);
+  if (is_new) found->second = distance(configOf(approach, 1), approach);
+  return found->second;
+}
+
+/** At the usual step, measured once. */
+const Touch& fastTouch(const Approach& approach) {
+  static std::map<std::string, Touch> known;
+  const auto [found, is_new] = known.try_emplace(approach.name);
+  if (is_new) found->second = touch(configOf(approach, 1), approach, kFast, surfaceOf(approach) + kBehind);
+  return found->second;
+}
+
 class ToolRunsInto : public ::testing::TestWithParam<Approach> {};
 
 TEST_P(ToolRunsInto, WithThePlausibleForceOfPlasticAndABendingShaft) {
   const TrainerConfig config = configOf(GetParam(), 1);
-  const double reach = distance(config, GetParam()) + kBehind;
+  const double reach = surfaceOf(GetParam()) + kBehind;
   ASSERT_GT(reach, kBehind);
-  const Touch slow = touch(config, GetParam(), kSlow, reach), fast = touch(config, GetParam(), kFast, reach);
+  const Touch slow = touch(config, GetParam(), kSlow, reach), &fast = fastTouch(GetParam());
   EXPECT_TRUE(slow.met && fast.met);
   EXPECT_LT(slow.peak, kSlowestPeak);
   EXPECT_LT(fast.peak, kFastestPeak);
@@ -159,9 +177,8 @@ TEST_P(ToolRunsInto, WithThePlausibleForceOfPlasticAndABendingShaft) {
 
 TEST_P(ToolRunsInto, WithTheSameForceAtHalfTheStep) {
   // GIVEN the surface found once: its place must not depend on the step either
-  const double reach = distance(configOf(GetParam(), 1), GetParam()) + kBehind;
-  const Touch whole = touch(configOf(GetParam(), 1), GetParam(), kFast, reach),
-              half = touch(configOf(GetParam(), 2), GetParam(), kFast, reach);
+  const double reach = surfaceOf(GetParam()) + kBehind;
+  const Touch &whole = fastTouch(GetParam()), half = touch(configOf(GetParam(), 2), GetParam(), kFast, reach);
   EXPECT_NEAR(whole.peak, half.peak, 0.03 * half.peak);
   EXPECT_NEAR(whole.sustained, half.sustained, 0.03 * half.sustained);
 }

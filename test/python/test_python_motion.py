@@ -74,6 +74,14 @@ def test_motion_to_joint_set_points_is_spread_over_the_ticks(tmp_path):
         assert 0 < each.max() < 1.5 * each.sum() / 200
 
 
+@pytest.fixture(scope="module", name="resting")
+def never_stepped():
+    """One for all tests that nothing may change."""
+    with raven2_trainer.Simulation(PICK) as simulation:
+        simulation.start()
+        yield simulation
+
+
 @pytest.mark.parametrize("command, says", [
     ({"gold": {"move": [0, 0]}}, "gold/move: expected 3 numbers"), ({"gold": {"move": [0, 0, np.nan]}}, "gold/move: not a finite number"),
     ({"gold": {"jump": 1}}, "gold/jump: unknown key"), ({"blue": {}}, "blue: unknown key"), ({"gold": 3}, "gold: expected a dict"),
@@ -81,11 +89,11 @@ def test_motion_to_joint_set_points_is_spread_over_the_ticks(tmp_path):
     ({"gold": {"joints": [0] * 7, "jaw": 1}}, "joints go alone"), ({"gold": {"move": "abc"}}, "gold/move: expected 3 numbers"),
     *(({"gold": {"move": move}}, "gold/move: expected 3 numbers") for move in (["0", "0", "1e-4"], [0, 0, 1j], [True, False, True], [0, 0, None])),
     *(({"pedal": pedal}, "pedal: expected True or False") for pedal in (np.nan, "False", "no", [0], [], None, 2, -1, 0.5, object(), np.zeros(2)))])
-def test_a_wrong_command_is_refused_and_changes_nothing(ready, command, says):
-    before = numbers(ready)
+def test_a_wrong_command_is_refused_and_changes_nothing(resting, command, says):
+    before = numbers(resting)
     with pytest.raises(ValueError, match=says.replace("(", r"\(")):
-        ready.step(command)
-    assert numbers(ready) == before
+        resting.step(command)
+    assert numbers(resting) == before
 
 
 @pytest.mark.parametrize("pedal, is_down", [(True, 1), (False, 0), (np.True_, 1), (np.False_, 0), (1, 1), (0, 0), (np.int8(1), 1), (np.array(0), 0)])

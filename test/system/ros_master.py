@@ -65,11 +65,10 @@ class RosMaster:
         assert code == 1, words
         return value
 
-    def known_of(self, node):
+    def known_of(self, node, lists=None):
         """The master's entries of a node: {"published": {...}, "subscribed": {...}, "services": {...}}."""
-        lists = self.ask("getSystemState")
         return {kind: {name for name, nodes in entries if node in nodes}
-                for kind, entries in zip(("published", "subscribed", "services"), lists)}
+                for kind, entries in zip(("published", "subscribed", "services"), lists or self.ask("getSystemState"))}
 
     def slave(self, node):
         """The slave API of a node, as anybody can call it."""

@@ -124,7 +124,8 @@ class Session:
 
 
 def known(master):
-    return {node: master.known_of(node) for node in NODES}
+    lists = master.ask("getSystemState")
+    return {node: master.known_of(node, lists) for node in NODES}
 
 
 def is_complete(seen):

@@ -25,8 +25,13 @@ double bruteForceEffort(const ArmGeometry& geometry, Arm arm, const JointArray& 
     return kinematics::forward(geometry, arm, q).p;
   };
   double sum = 0.0;  // the ends are at rest and add nothing
-  for (int i = 1; i < kSteps; ++i)
-    sum += ((tip(i + 1) - 2.0 * tip(i) + tip(i - 1)) / (h * h)).squaredNorm() * h;
+  Vector3 before = tip(0), here = tip(1);
+  for (int i = 1; i < kSteps; ++i) {
+    const Vector3 next = tip(i + 1);
+    sum += ((next - 2.0 * here + before) / (h * h)).squaredNorm() * h;
+    before = here;
+    here = next;
+  }
   return sum;
 }
 

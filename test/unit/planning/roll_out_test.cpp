@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
+#include <vector>
 
 #include "planning_fixtures.h"
 #include "raven2_trainer/config/load_config.h"
@@ -177,11 +178,15 @@ TEST(RollOut, APathThatIsFreeButForItsTrackingIsFound) {
   constexpr double kFast = 3.0;
   Vector3 astray = Vector3::Zero();
   double farthest = 0.0;
+  std::vector<Vector3> line;
+  for (double s = 0.0; s <= 1.0; s += 1e-3)
+    line.push_back(tip_W(between(path[0], path[1], s)));
   for (const JointArray& q : tracked(path, times(path, kFast), config().model)) {
+    const Vector3 tip = tip_W(q);
     double distance = 1.0;
-    for (double s = 0.0; s <= 1.0; s += 1e-3)
-      distance = std::min(distance, (tip_W(q) - tip_W(between(path[0], path[1], s))).norm());
-    if (distance > farthest) astray = tip_W(q);
+    for (const Vector3& place : line)
+      distance = std::min(distance, (tip - place).norm());
+    if (distance > farthest) astray = tip;
     farthest = std::max(farthest, distance);
   }
   ASSERT_GT(farthest, 0.008) << "the arm must leave its path";
