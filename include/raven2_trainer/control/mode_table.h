@@ -12,9 +12,9 @@ enum class Event : std::uint8_t {
   kPlanRequested,
   kPlanReady,
   kPlanFailed,
-  kEmergencyStop,   ///< the robot's run level fell to E-STOP, or the model's simulation failed
-  kStopCleared,     ///< the robot left E-STOP
-  kTimeSlip,        ///< simulated time was lost: a backlog too long to catch up
+  kEmergencyStop,   ///< the robot's E-STOP, a request, a pedal, or a failure of the model
+  kStopCleared,     ///< by the robot, or by request
+  kTimeSlip,        ///< simulated time was lost, or a pause was requested
   kGoalWanted,      ///< the surgeon wants to show the model's goal
   kPlanArmed,       ///< execution of the plan was requested
   kPlanCancelled,   ///< choosing, planning or executing was given up
@@ -31,7 +31,7 @@ enum class Event : std::uint8_t {
   kReturnWanted,      ///< the model is away from a connected robot
   kReturned,          ///< the model is back at the robot, or at the start of the trial
   kCameraPressed,     ///< the camera's pedal
-  kCameraLeft,        ///< the camera pedal went up, after teleoperation
+  kCameraLeft,        ///< the camera pedal went up, outside practice
   kCameraLeftAlone,   ///< the same after pure simulation
   kCameraLeftOnTape,  ///< the same after a virtual trial
   kReplayWanted,      ///< a recorded session shall be shown

@@ -14,8 +14,8 @@ constexpr double kMaxOpening = 1.570;
  * follows the same commands to the same places. Increments are truncated to whole micrometres in frame B and added to
  * the desired position. Rotations multiply from the left in B. The analytic inverse picks the solution nearest to the
  * arm and refuses one too far. A joint at its limit re-bases the desired pose, so that the surgeon cannot wind up past
- * it. The desired position is in whole micrometres, as in the robot, also after re-basing. A limit re-bases it
- * every tick: rounding unlike the robot's would add up to a millimetre in some seconds. Real-time safe.
+ * it. The desired position is in whole micrometres, as in the robot, also after re-basing. At a limit this happens
+ * every tick: rounding unlike the robot's would accumulate to a millimetre in some seconds. Real-time safe.
  */
 class TeleopMapper {
  public:

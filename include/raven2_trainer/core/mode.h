@@ -8,7 +8,7 @@ namespace raven2_trainer {
 
 /** Mode of the daemon. control/mode_table.h lists the events that change it. */
 enum class Mode : std::uint8_t {
-  kWaiting,        ///< no pedal packet yet, or the robot is not ready
+  kWaiting,        ///< no robot was ready yet and, without one, no pedal-down came
   kPedalUp,        ///< disengaged: the model follows the robot's joints or, without a robot, holds
   kTeleoperating,  ///< pedal down: the masters move model and robot
   kPlanning,       ///< pedal up, a plan is being computed; the model holds
@@ -23,7 +23,8 @@ enum class Mode : std::uint8_t {
   kTrial,           ///< virtual trial, pedal down: as kSimulating, and the motion is recorded
   kTrialHeld,       ///< virtual trial, pedal up: the model holds
   kTrialReady,      ///< the trial is over: a request repeats or discards it
-  kReturning,       ///< the model moves smoothly to the robot's joints or, without a robot, to a trial's start; through objects
+  kReturning,       ///< the model moves smoothly to the robot's joints or, without a robot, to a trial's start; through
+                    ///< objects
   kReplaying,       ///< pedal up: the model shows a recorded session without physics; the robot holds
   kCameraMoving,    ///< camera pedal down: the masters move the camera; model and robot hold
 };
@@ -33,8 +34,8 @@ constexpr std::array<const char*, kModeCount> kModeNames{
     "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
     "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
-/** Part of the physics loop that carries out a mode. All are called in this order, at each change of mode and in each
- * tick. */
+/** Part of the physics loop that carries out a mode. A change of mode calls all in this order, a tick the
+ * mode's. */
 enum class ActivityKind : std::uint8_t {
   kExecution,
   kTrial,
@@ -48,7 +49,7 @@ enum class ActivityKind : std::uint8_t {
 };
 constexpr std::size_t kActivityCount = 9;
 
-/** Arms that a mode can move. */
+/** How a mode ties model and robot. */
 enum class Moves : std::uint8_t {
   kNothing,
   kModel,       ///< the model alone; the robot does not move
@@ -89,7 +90,7 @@ struct ModeTraits {
   bool judged{};        ///< an exercise judges contacts and objects
   bool follows_plan{};  ///< the model follows a plan's path
   bool may_replay{};    ///< a replay may start from this mode
-  bool may_restart{};   ///< the exercise may restart: nothing moves, so no object is taken from between the jaws
+  bool may_restart{};   ///< the exercise may restart: no arm moves
   bool follows_robot{};  ///< the model follows a robot that is connected
   bool leaves_robot{};   ///< the model leaves a healthy robot on purpose, unless it moves the robot too (isApart)
   Practice practice{};

@@ -44,7 +44,7 @@ class FaultEngine {
   /** Once a packet, before any apply to it. */
   void beginPacket(bool pedal_down) noexcept;
 
-  /** While held, no fault acts. Its clocks run on: a fault that is due meanwhile acts only for the time then left. */
+  /** While held, no fault acts, but clocks run on: a fault that is due meanwhile acts only for the time then left. */
   void hold(bool is_held) noexcept;
   bool isHeld() const noexcept { return held_; }
 
@@ -89,7 +89,7 @@ class FaultEngine {
 
   /** Cycles since the first pedal-down cycle; -1 before it. */
   std::int64_t tick() const noexcept { return tick_; }
-  /** Cycles begun; 0 in the first. */
+  /** Number of the cycle, from 0. */
   std::int64_t cycle() const noexcept { return cycle_; }
 
  private:

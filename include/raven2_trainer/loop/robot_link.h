@@ -45,8 +45,8 @@ class RobotLink {
    * end it has not noticed yet. */
   void resendPlan() noexcept { sent_generation_ = ~std::uint64_t{0}; }
 
-  /** The next frame to send; to be called until it returns 0. The plan is sent if it changed or the robot is new. The
-   *  inputs of its triggers are sent before it, and when they change.
+  /** The next frame to send; to be called until it returns 0. The plan is sent if it changed, on a new
+   *  connection, and after resendPlan(). Changed inputs of its triggers are sent first.
    *  @param[out] out at least wire::kMaxFrame bytes. @return its size; 0: no frame. */
   std::size_t pendingFrame(std::uint8_t* out) noexcept;
 

@@ -30,16 +30,16 @@ struct FrameTotals {
  * SIGPIPE.
  *
  * If all places are taken, a newcomer replaces the oldest reader that sent half a message (markPart()), else the oldest
- * that took nothing for kYieldNs, else the newcomer is closed. Newcomers beyond a burst of kAdmitBurst and one every
- * kAdmitIntervalNs are closed, too; one that has already left does not count.
+ * whose frames have waited for kYieldNs, else the newcomer is closed. Newcomers beyond a burst of kAdmitBurst and one
+ * every kAdmitIntervalNs are closed, too; one that has already left does not count.
  */
 class TcpServer {
  public:
   static constexpr std::size_t kMaxClients = 4;
   static constexpr std::size_t kQueueFrames = 32;
   static constexpr std::int64_t kStallNs = 2'000'000'000;  ///< [ns] as TCP_USER_TIMEOUT (sources.md 2.2)
-  static constexpr std::int64_t kYieldNs = 250'000'000;    ///< [ns] a reader that waits so long may lose its place
-  // Ten a second would keep a good reader out for seconds after many readers on its host; a hundred, of some
+  static constexpr std::int64_t kYieldNs = 250'000'000;  ///< [ns] frames that wait so long may cost a reader its place.
+  // At ten a second, a good reader would wait for seconds behind many newcomers; a hundred, of some
   // 50 us each, cost the robot's computer half a percent of a core.
   static constexpr std::int64_t kAdmitIntervalNs = 10'000'000;
   static constexpr std::int64_t kAdmitBurst = 100;

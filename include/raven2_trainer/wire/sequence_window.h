@@ -8,8 +8,8 @@ namespace raven2_trainer::wire {
 
 /**
  * Order rule of the daemon's own ingest, behaviour "hardened" (decisions page). Packets apply in order only. A late
- * or repeated one is dropped, because ITP carries increments. A gap of up to 64 is counted and accepted. A jump
- * beyond it is rejected and does not move the window, so one forged packet costs one packet. Ten consecutive
+ * or repeated one is dropped, because ITP carries increments. A number up to 64 ahead is accepted, and the gap counted.
+ * A jump beyond it is rejected and does not move the window, so one forged packet costs one packet. Ten consecutive
  * in-order packets of a new numbering, all with the pedal up, re-base it. Serial arithmetic on 32 bits.
  */
 class SequenceWindow {
