@@ -386,6 +386,19 @@ class Mouse:
         self.send("mouseWheel", deltaX=0, deltaY=-100 * notches, buttons=buttons)
 
 
+def rest(tip, end):
+    """Pose of the tip once it rests: how long a motion takes depends on the machine. @param end monotonic clock."""
+    time.sleep(0.12)
+    p, R = tip.pose()
+    while True:
+        time.sleep(0.06)
+        before_p, before_R = p, R
+        p, R = tip.pose()
+        moved = np.linalg.norm(p - before_p) > 3e-5 or np.linalg.norm(rotation_vector(R @ before_R.T)) > 3e-3
+        if not moved or time.monotonic() > end:
+            return p, R
+
+
 def steer(browser, mouse, tip, goal_p, goal_R, seconds):
     """Moves and rotates the tool to a pose in the world with the mouse alone: the page's axes are right, forward, up. The
     endoscope looks 40 degrees down."""
@@ -395,21 +408,20 @@ def steer(browser, mouse, tip, goal_p, goal_R, seconds):
     while time.monotonic() < end:
         if not browser.text("mode").startswith("The hands move"):
             press_pedal(browser)
-        p, R = tip.pose()
+        p, R = rest(tip, end)
         off, turn = axes @ (goal_p - p), axes @ rotation_vector(goal_R @ R.T)
         if np.linalg.norm(off) < 2e-4 and np.linalg.norm(turn) < 0.02:
             return True
-        # The device moves ten times as far as the tool. Half the distance, then measure again.
-        x, y, z = np.clip(10.0 * 0.5 * off, -0.06, 0.06)
+        # The device moves ten times as far as the tool. Most of the distance, then measure again.
+        x, y, z = np.clip(10.0 * 0.7 * off, -0.06, 0.06)
         mouse.move(round(x / 0.001), round(-(sine * y + cosine * z) / 0.001))
         mouse.roll(float(np.clip((cosine * y - sine * z) / 0.012, -3, 3)))
         if np.linalg.norm(turn) > 0.015:
-            a, b, c = np.clip(0.5 * turn, -0.15, 0.15)
+            a, b, c = np.clip(0.7 * turn, -0.15, 0.15)
             mouse.send("mousePressed", button="right", buttons=2)
             mouse.move(round(-c / 0.004), round(-a / 0.004), buttons=2)
             mouse.roll(float(np.clip(b / 0.12, -3, 3)), buttons=2)
             mouse.send("mouseReleased", button="right", buttons=0)
-        time.sleep(0.12)
     return False
 
 
