@@ -41,9 +41,9 @@ def home_quickly(request):
     if request.module.__name__ not in HOME_QUICKLY:
         yield
         return
-    os.environ["RAVEN2_TRAINER_SHARE"] = str(request.getfixturevalue("quick_share"))
-    yield
-    del os.environ["RAVEN2_TRAINER_SHARE"]
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("RAVEN2_TRAINER_SHARE", str(request.getfixturevalue("quick_share")))
+        yield
 
 
 @pytest.fixture(name="ready")

@@ -8,7 +8,7 @@ namespace raven2_trainer {
 
 /** Mode of the daemon. control/mode_table.h lists the events that change it. */
 enum class Mode : std::uint8_t {
-  kWaiting,        ///< no robot was ready yet and, without one, no pedal-down came
+  kWaiting,        ///< the robot has not been ready yet; without a robot: no pedal-down yet
   kPedalUp,        ///< disengaged: the model follows the robot's joints or, without a robot, holds
   kTeleoperating,  ///< pedal down: the masters move model and robot
   kPlanning,       ///< pedal up, a plan is being computed; the model holds

@@ -1069,7 +1069,8 @@ TEST_P(AtALimit, OfTheJawsRoundingIsNoReasonToRefuse) {
 /** Between two poses that are looked at the straight path may leave the joints' limits. */
 class EndsEarly : public AtALimit {
  protected:
-  /** From this limit the straight line to a pose has joints at its samples, but not in between. Found by trying. */
+  /** A pose, relative to the arm at this limit. The straight line to it has joints at its samples, but not in between.
+   *  Found by trying turns and distances along and about each axis. */
   struct Way {
     std::size_t joint;
     double outwards, turn, metres;
