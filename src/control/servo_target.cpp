@@ -189,11 +189,18 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
     case ServoKind::kRatio:
       return takeRatio(command.number);
     case ServoKind::kEndTwist:
-      if (motion_ == Motion::kTwist || motion_ == Motion::kRates) twist_left_ = std::min<Tick>(twist_left_, -1);
-      return {};
+      return endLasting(Motion::kTwist);
+    case ServoKind::kEndRates:
+      return endLasting(Motion::kRates);
     default:
       return {ServoRefusal::kNotOffered};  // kState, kFree, forces: not an arm's own
   }
+}
+
+/** The arm slows down, if this is its motion. */
+ServoVerdict ServoTarget::endLasting(Motion motion) noexcept {
+  if (motion_ == motion) twist_left_ = std::min<Tick>(twist_left_, -1);
+  return {};
 }
 
 void ServoTarget::hold() noexcept {

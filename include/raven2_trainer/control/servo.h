@@ -51,9 +51,11 @@ enum class ServoKind : std::uint8_t {
   kRatio,          ///< trajectory_j/set_ratio: `number` times move_speed and move_turn_rate, for later moves
   kGravity,        ///< use_gravity_compensation: `number` 0: forces act without gravity compensation
   kTool,           ///< emulate_tool_present: always refused
-  kEndTwist,       ///< a node that published twists, rates or forces has gone: they end
+  kEndTwist,       ///< a node that published servo_cv has gone: the twist ends
+  kEndRates,       ///< the same of servo_jv
+  kEndForces,      ///< the same of servo_jf, servo_cf or jaw/servo_jf
 };
-constexpr std::size_t kServoKindCount = 23;
+constexpr std::size_t kServoKindCount = 25;
 constexpr std::array<const char*, kServoKindCount> kServoKindNames{"state_command",
                                                                    "hold",
                                                                    "free",
@@ -76,7 +78,9 @@ constexpr std::array<const char*, kServoKindCount> kServoKindNames{"state_comman
                                                                    "trajectory_j/set_ratio",
                                                                    "use_gravity_compensation",
                                                                    "emulate_tool_present",
-                                                                   "left"};
+                                                                   "left servo_cv",
+                                                                   "left servo_jv",
+                                                                   "left servo_jf"};
 
 /** Where a wrench of servo_cf acts, and along which axes. */
 enum class WrenchFrame : std::uint8_t {

@@ -105,6 +105,7 @@ class ServoTarget {
   Pose ontoLimits(const Pose& X_BT) const noexcept;
   void servo(Motion motion) noexcept;
   void endEarly() noexcept;
+  ServoVerdict endLasting(Motion motion) noexcept;
 
   void stepJaw() noexcept;
   void stepJoints() noexcept;

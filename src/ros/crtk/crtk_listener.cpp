@@ -44,10 +44,20 @@ const char* topicOf(ServoKind kind) {
   return kServoKindNames[static_cast<std::size_t>(kind)];
 }
 
-/** Goes on without another message. */
-bool isTimed(ServoKind kind) {
-  return kind == ServoKind::kServoTwist || kind == ServoKind::kServoRates || kind == ServoKind::kServoForces ||
-         kind == ServoKind::kServoWrench || kind == ServoKind::kServoJawForce;
+/** @return what ends a command that goes on without another message; none for other commands. */
+std::optional<ServoKind> endOf(ServoKind kind) {
+  switch (kind) {
+    case ServoKind::kServoTwist:
+      return ServoKind::kEndTwist;
+    case ServoKind::kServoRates:
+      return ServoKind::kEndRates;
+    case ServoKind::kServoForces:
+    case ServoKind::kServoWrench:
+    case ServoKind::kServoJawForce:
+      return ServoKind::kEndForces;
+    default:
+      return std::nullopt;
+  }
 }
 
 /** Zero: none. */
@@ -79,10 +89,12 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
       base_(baseFrame(arm)),
       before_(before),
       inbox_(*inbox),
-      voice_(*voice),
-      lasting_([this](const std::string& topic) { return subscribers_[timed_.at(topic)].getNumPublishers(); },
-               [this](const std::string& topic) { return publishersOf({subscribers_[timed_.at(topic)].getTopic()}); },
-               twistTimeout(config)) {
+      voice_(*voice) {
+  for (const ServoKind end : {ServoKind::kEndTwist, ServoKind::kEndRates, ServoKind::kEndForces})
+    lasting_.try_emplace(
+        end, [this](const std::string& topic) { return subscribers_[timed_.at(topic)].getNumPublishers(); },
+        [this](const std::string& topic) { return publishersOf({subscribers_[timed_.at(topic)].getTopic()}); },
+        twistTimeout(config));
   hearState(inArm("state_command"), may_command);
   if (is_raven_ && arm == Arm::kGold) hearState("state_command", may_command);  // of both arms, as there
   hearPlain(ServoKind::kHold);
@@ -91,7 +103,7 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
   config.dialect == CrtkDialect::kRaven ? hearRaven() : hearModern();
   hearForces();
   hearSettings();
-  timer_ = node_.createWallTimer(ros::WallDuration(kLeaving), [this](const ros::WallTimerEvent&) { endLeftTwists(); });
+  timer_ = node_.createWallTimer(ros::WallDuration(kLeaving), [this](const ros::WallTimerEvent&) { endLeft(); });
 }
 
 void CrtkListener::hearState(const std::string& topic, bool may_command) {
@@ -155,9 +167,11 @@ void CrtkListener::hearSettings() {
     });
 }
 
-/** A client that is gone cannot stop its twist. roscpp does not say whose a message was, so each that goes ends it. */
-void CrtkListener::endLeftTwists() {
-  if (lasting_.hasLost(net::monotonicNow())) take("left", readNumber(arm_, ServoKind::kEndTwist, 0.0));
+/** A client that is gone cannot stop its twist. roscpp does not say whose a message was, so each that goes ends it. A
+ * force may have been refused by the loop: its client ends no twist. */
+void CrtkListener::endLeft() {
+  for (auto& [end, lasting] : lasting_)
+    if (lasting.hasLost(net::monotonicNow())) take("left", readNumber(arm_, end, 0.0));
 }
 
 void CrtkListener::hearModern() {
@@ -253,8 +267,8 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
   const std::string refusal = inbox_.take(asked);
-  const bool lasts = asked.command && isTimed(asked.command->kind) && timed_.count(topic) > 0;
-  if (lasts) lasting_.take(topic, net::monotonicNow());
+  const auto end = asked.command ? endOf(asked.command->kind) : std::nullopt;
+  if (end && timed_.count(topic) > 0) lasting_.at(*end).take(topic, net::monotonicNow());
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }
 

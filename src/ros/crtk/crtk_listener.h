@@ -52,7 +52,7 @@ class CrtkListener {
   void hearForces();
   void hearWrench(const std::string& prefix, const CrtkFrame& frame, WrenchFrame where);
   void hearSettings();
-  void endLeftTwists();
+  void endLeft();
 
   std::string inArm(const std::string& topic) const { return name_ + "/" + topic; }
   CrtkStored storedOf(const std::string& topic) const;
@@ -72,7 +72,7 @@ class CrtkListener {
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
   std::map<std::string, std::size_t> timed_;  ///< of them, by topic: what lasts until its time-out
-  CrtkLasting lasting_;                       ///< who sent those
+  std::map<ServoKind, CrtkLasting> lasting_;  ///< who sent those, by the command that ends them
   bool is_absolute_{false};                   ///< body/servo_cf is along the axes of `world`
   ros::WallTimer timer_;
 };

@@ -606,10 +606,25 @@ TEST_P(ServoTargetTest, RatesOfAClientThatIsGoneSlowDownToo) {
   ASSERT_EQ(joints(ServoKind::kServoRates, {0.1, 0.0, 0.0, 0.0, 0.0, 0.0}).reason, ServoRefusal::kNone);
   tick(10);
   const double from = servoJoints(q)[0];
-  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  ASSERT_EQ(target.take(command(ServoKind::kEndRates)).reason, ServoRefusal::kNone);
   tick(400);
   EXPECT_NEAR(servoJoints(q)[0] - from, 0.1 * 0.1, 1e-4) << "half of 0.1 rad/s for 0.2 s";
   EXPECT_EQ(target.runOut(), 0U);
+}
+
+TEST_P(ServoTargetTest, AClientOfAnotherTopicThatIsGoneEndsNothing) {
+  ASSERT_EQ(twist({0.01, 0.0, 0.0}, {}).reason, ServoRefusal::kNone);
+  ASSERT_EQ(target.take(command(ServoKind::kEndRates)).reason, ServoRefusal::kNone);
+  tick(10);
+  const Vector3 from = target.pose().p;
+  tick(80);
+  EXPECT_NEAR((target.pose().p - from).norm(), 0.01 * 0.08, 1e-6);
+  ASSERT_EQ(joints(ServoKind::kServoRates, {0.1, 0.0, 0.0, 0.0, 0.0, 0.0}).reason, ServoRefusal::kNone);
+  ASSERT_EQ(target.take(command(ServoKind::kEndTwist)).reason, ServoRefusal::kNone);
+  tick(10);
+  const double shoulder = servoJoints(q)[0];
+  tick(80);
+  EXPECT_NEAR(servoJoints(q)[0] - shoulder, 0.1 * 0.08, 1e-6);
 }
 
 TEST_P(ServoTargetTest, RatesMoveEachJointForTheirTime) {

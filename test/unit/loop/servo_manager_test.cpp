@@ -1147,13 +1147,34 @@ TEST_F(ServoManagerTest, AForceOfAClientThatIsGoneEnds) {
     ASSERT_EQ(c->ask(wrenchOf(arm, {0.0, 0.0, 15.0})), ServoRefusal::kNone);
     c->rest(50);
     ServoCommand left;
-    left.kind = ServoKind::kEndTwist;
+    left.kind = ServoKind::kEndForces;
     left.arm = arm;
     ASSERT_EQ(c->ask(left), ServoRefusal::kNone);
     c->rest(500);
     const Vec3 held = at(rig->model().arms, arm).p_BT;
     c->rest(300);
     EXPECT_LT(apart(at(rig->model().arms, arm).p_BT, held), 2e-4) << name(arm);
+  }
+}
+
+TEST_F(ServoManagerTest, AClientWhoseForceWasRefusedEndsNoTwistWhenItIsGone) {
+  together();
+  ASSERT_TRUE(c->enable());
+  for (const Arm arm : kArms) {
+    ASSERT_EQ(c->ask(wrenchOf(arm, {0.0, 0.0, 15.0})), ServoRefusal::kHasRobot);
+    ServoCommand twist;
+    twist.kind = ServoKind::kServoTwist;
+    twist.arm = arm;
+    twist.v_B = {0.0, 0.005, 0.0};
+    ASSERT_EQ(c->ask(twist), ServoRefusal::kNone);
+    ServoCommand left;
+    left.kind = ServoKind::kEndForces;
+    left.arm = arm;
+    ASSERT_EQ(c->ask(left), ServoRefusal::kNone);
+    c->rest(100);
+    const Vec3 from = c->arm(arm).setpoint_B.p;
+    c->rest(400);
+    EXPECT_NEAR(apart(c->arm(arm).setpoint_B.p, from), 0.005 * 0.4, 5e-5) << name(arm);
   }
 }
 
