@@ -132,7 +132,7 @@ std::string pictureText(const DaemonFaults& faults) {
     case PictureFault::kFrozen:
       return "picture frozen";
     case PictureFault::kEyesSwapped:
-      return "eyes changed over";
+      return "eyes swapped";
     default:
       return faults.picture_delay_ms > 0 ? format("picture %u ms late", faults.picture_delay_ms) : "";
   }

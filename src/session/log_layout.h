@@ -114,7 +114,7 @@ void fieldsOf(Is<DaemonFaults> /*type*/, Visitor& v, Faults& s) {
   v.field("relay", s.relay, "", "bit i: row i of the armed plan acts on the stream to the robot");
   v.field("master", s.master, "", "the same on the masters' stream");
   v.field("console", s.console, "", "the same on what the surgeon feels and sees");
-  v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes changed over");
+  v.field("picture", s.picture, "", "the surgeon's picture: 0 right, 1 black, 2 frozen, 3 eyes swapped");
   v.field("picture_delay_ms", s.picture_delay_ms, "ms", "by which it is late");
   v.field("force_gain", s.force_gain, "", "factor on the force; 1 is right");
   v.field("force_offset_B", s.force_offset_B, "N", "added to it, in frame B");

@@ -12,7 +12,7 @@ namespace raven2_trainer::campaign {
 /** Where a run is forked from its golden one. */
 enum class Phase : std::uint8_t {
   kHoming,     ///< before the robot's first cycle
-  kPedalDown,  ///< in teleoperation, at the last tick before the fault can start
+  kPedalDown,  ///< in teleoperation, shortly before the fault can start
 };
 constexpr std::array<const char*, 2> kPhaseNames{"homing", "pedal_down"};
 
@@ -33,7 +33,7 @@ struct CampaignRun {
   std::uint64_t seed{};         ///< of all that is random in the fault
   std::uint64_t motion_seed{};  ///< of the surgeon's motion, and so of the golden run
   Phase phase{Phase::kPedalDown};
-  std::int64_t offset_ticks{};   ///< [ticks] from phase's own tick to the fork
+  std::int64_t offset_ticks{};   ///< [ticks] from the first PEDAL_DN to the fork; homing: 0
   std::int64_t horizon_ticks{};  ///< [ticks] of the run from the fork
   FaultPlan plan{};
 };
@@ -67,7 +67,7 @@ Campaign readCampaign(const std::string& text,
 /** Runs in the order in which one process makes them: by golden run, then by fork. */
 std::vector<CampaignRun> inOrderOfForks(const std::vector<CampaignRun>& runs);
 
-/** The `shard`-th of `shards` parts, from 1: neighbours in the order of forks, so that few golden runs are shared.
+/** The `shard`-th of `shards` parts, from 1: consecutive in the order of forks, so that few golden runs are made twice.
  *  @throw ConfigException if there is no such shard. */
 std::vector<CampaignRun> shardOf(const std::vector<CampaignRun>& runs, std::size_t shard, std::size_t shards);
 

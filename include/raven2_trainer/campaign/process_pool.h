@@ -70,7 +70,7 @@ class ProcessPool {
     int pipe;
     int process;  ///< readable once it has ended, whatever it did with its pipe
     Clock::time_point deadline;
-    bool expired;  ///< it was killed here for it
+    bool expired;  ///< killed at its deadline
   };
 
   [[noreturn]] void runChild(int pipe, pid_t parent, const Body& body) const;

@@ -9,8 +9,8 @@
 #include "raven2_trainer/campaign/plan.h"
 
 // What is written of a campaign: outcomes.csv, one row an injection, sorted by run; campaign.json, what it was made of;
-// and, while it runs, outcomes.part, from which a killed campaign goes on. Nothing in them depends on clocks, on the
-// number of jobs or on shards, but that campaign.json names the shard.
+// and, while it runs, outcomes.part, from which a killed campaign goes on. The number of jobs changes only the order in
+// outcomes.part, shards only campaign.json. Only runs that reach a time limit depend on a clock.
 
 namespace raven2_trainer::campaign {
 
@@ -25,7 +25,7 @@ std::string header();
 /** One row, without the end of line. */
 std::string row(const Campaign& campaign, const CampaignRun& run, const RunResult& result);
 
-/** Which campaign, and which part of it: what campaign.json says, and what must be equal to go on or to merge. */
+/** Content of campaign.json. To resume, digest, shard and shards must be equal; to merge, digest and shards. */
 struct Identity {
   std::string name, title, source;
   std::uint64_t seed{};
@@ -76,7 +76,7 @@ class PartialOutcomes {
   /** @throw SessionException if it cannot be written. */
   void add(std::uint32_t run, const std::string& row);
 
-  /** Writes outcomes.csv and campaign.json and removes the partial file. @throw SessionException. */
+  /** Writes outcomes.csv and removes the partial file. @throw SessionException. */
   void finish();
 
  private:

@@ -64,7 +64,7 @@ class Section {
   /** The mapping as YAML, without its comments. */
   std::string yaml() const;
 
-  /** Throws for every key that was not read. */
+  /** Throws for the first key that was not read. */
   void finish() const;
 
   /** "FILE:LINE: key" for messages about something read from here. */

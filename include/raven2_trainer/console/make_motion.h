@@ -21,8 +21,8 @@ struct MotionChoice {
  * commands of a program ("commands:FILE", console/commands_file.h), or the exercise's expert ("expert") or one of its
  * clumsy surgeons ("clumsy:NAME"). Everything random comes from the configuration's seed.
  * @param[in] truth Gets the actions and reactions of a simulated surgeon; may be null, else it must outlive the source.
- * @throw ConfigException for anything else, for an expert without an exercise or in one without an expert, listing the
- * clumsy surgeons, and as console/script.h.
+ * @throw ConfigException for an unknown name (lists the known ones), an expert without an exercise or in one without an
+ * expert, a reaction with "commands:FILE", and as console/script.h.
  */
 std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config,
                                          const MotionChoice& choice,
@@ -35,7 +35,7 @@ std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const std:
  * lies. */
 std::string motionLabel(const std::string& motion);
 
-/** Whether it is "commands:FILE". Such a source must be asked from its console's first tick on. */
+/** Whether it is "commands:FILE". Call its tick() from its console's first tick on. */
 bool isCommanded(const std::string& motion) noexcept;
 
 /** [s] of "commands:FILE". @throw ConfigException with FILE:LINE. */

@@ -20,7 +20,7 @@ struct ServoVerdict {
 };
 
 /** [rad; m] A goal this far beyond a joint's limit is the limit. The published set point of an arm at a limit is up to
- * 12 urad or 0.7 um beyond it, because poses are in whole micrometres; ServoTrim keeps the same distance. */
+ * 12 urad or 0.7 um beyond it, because poses are in whole micrometres; ServoTrim stays this far inside. */
 constexpr double kBeyondLimit = ServoTrim::kInside;
 
 /** The nearest value within the limits, if `value` is within kBeyondLimit of them; else `value`. */
@@ -37,8 +37,8 @@ JointArray withServoJoints(const JointArray& q, const ServoJoints& joints) noexc
  * CRTK clients' commands for one arm, stepped once a tick. A set point, the pose of T in B and the jaws' opening,
  * goes to the commanded one no faster than CrtkConfig allows. Of servo commands the newest counts, and it ends
  * move_*; moves wait for each other. A move goes from rest to rest by a quintic in time, in joints or along
- * the straight line of the poses. If the arm's own mapping does not accept a set point (a limit), it stays with
- * the accepted one, so that nothing winds up. Pure; real-time safe.
+ * the straight line of the poses. If the arm's TeleopMapper refuses a set point (a limit), the set point goes
+ * back to the accepted one: no wind-up. No I/O; real-time safe.
  */
 class ServoTarget {
  public:
@@ -46,15 +46,15 @@ class ServoTarget {
 
   ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, Arm arm) noexcept;
 
-  /** The set point. A pending command stays, unless it is a servo command farther from here than one step may lead.
-   *  Moves begin here. @param[in] opening [rad]. */
+  /** Sets the set point. A pending servo command that is now farther away than one step may lead ends. A pending move
+   * begins again from this set point. @param[in] opening [rad]. */
   void startFrom(const Pose& X_BT, const JointArray& q, double opening) noexcept;
   /** The same of the arm alone; its jaws go on. */
   void startFrom(const Pose& X_BT, const JointArray& q) noexcept;
-  /** The mapping's result for the last set point, which stays in force unless this is far from it. */
+  /** TeleopMapper's result for the last set point. The set point stays, unless it is far from this result. */
   void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
 
-  /** Any command but kState and kFree. One that is refused changes nothing. */
+  /** Takes hold, motions, kRatio, kEndTwist and kEndRates; refuses others. A refusal changes nothing. */
   ServoVerdict take(const ServoCommand& command) noexcept;
   /** Stays where the set point is; what was to come is forgotten. */
   void hold() noexcept;
@@ -70,7 +70,7 @@ class ServoTarget {
   std::uint32_t moves() const noexcept { return moved_; }     ///< move_* that were accepted, of arm or jaws
   double ratio() const noexcept { return ratio_; }            ///< of move_speed and move_turn_rate
   std::uint32_t runOut() const noexcept { return run_out_; }  ///< twists and rates that their time-out ended
-  std::uint32_t ended() const noexcept { return ended_; }     ///< motions that ended because their path was blocked
+  std::uint32_t ended() const noexcept { return ended_; }     ///< motions that met a limit or an unreachable pose
   bool hasGoal() const noexcept;                              ///< a command is still followed
   Pose goal() const noexcept;                                 ///< where the newest command leads; else the set point
 

@@ -77,7 +77,7 @@ enum class FaultKind : std::uint8_t {
   kDrift,       ///< add an offset that grows to `value` in `ramp_ticks`, then stays
   kRandom,      ///< overwrite with a number from [low, high), uniform, drawn each time
   kRandomOnce,  ///< the same, drawn once per occurrence, then held
-  kHoldLast,    ///< hold the number before onset; streams take this kind, too: hold the last packet or frame
+  kHoldLast,    ///< the number before onset; in streams, too: each repeats the last content with its own number
   // streams (packets, state frames)
   kDrop,       ///< each is lost with probability `value`
   kDelay,      ///< each arrives [low, high] ticks later, in order
@@ -229,7 +229,7 @@ constexpr std::size_t kMaxFaults = 8;
 /** All faults armed now. `generation` changes whenever the list does. */
 struct FaultPlan {
   std::uint64_t generation{};
-  /** Run of the daemon that sent the plan. A new run restarts the robot's triggers; the same run continues them. */
+  /** Run of the daemon that sent the plan. A new run restarts the robot's triggers except kPowerOn. */
   std::uint32_t session{};
   std::uint32_t count{};
   std::uint8_t is_suspended{};  ///< 1: the daemon is disconnected; no fault acts, but clocks run. Not transmitted.

@@ -35,7 +35,7 @@ struct FaultVariableInfo {
   const char* unit;
   FaultChannels channels;
   bool per_arm;
-  double low, high;     ///< range for stuck_at, add, ramp and random, in `unit`
+  double low, high;     ///< range of all kinds with a number except scale, in `unit`
   bool is_stream;       ///< packets or frames: accepts the kinds for streams
   const char* meaning;  ///< with its name in the robot's program
 };
@@ -118,7 +118,7 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
     {V::kForceOffset, S::kHaptic, "force_offset", "N", C::kAxes, true, -3.3, 3.3, false,
      "added to the force before these limits, arm base frame; 0 is right"},
     {V::kPicture, S::kVideo, "picture", "-", C::kOne, false, 0, kPictureFaultCount - 1, false,
-     "the surgeon's picture: 0 is right, 1 black, 2 frozen, 3 the eyes changed over"},
+     "the surgeon's picture: 0 is right, 1 black, 2 frozen, 3 the eyes swapped"},
     {V::kPictureDelay, S::kVideo, "picture_delay", "ms", C::kOne, false, 0, 5000, false,
      "by which the surgeon's picture is late; 0 is right"},
     {V::kProgram, S::kProcess, "program", "-", C::kOne, false, 0, 0, false,
@@ -169,7 +169,7 @@ constexpr bool isWhole(FaultVariable variable) noexcept {
   }
 }
 
-/** Whether a fault's duration counts packets, not cycles: a packet triggers it, and its variable is in packets. */
+/** Whether a fault's duration counts packets, not cycles: a packet triggers it and carries its variable. */
 constexpr bool lastsForPackets(const Fault& fault) noexcept {
   return fault.trigger == FaultTrigger::kPacket && infoOf(fault.variable).site == FaultSite::kNetworkLayer;
 }

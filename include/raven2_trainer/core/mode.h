@@ -34,8 +34,8 @@ constexpr std::array<const char*, kModeCount> kModeNames{
     "paused",  "choosing",   "armed",         "executing", "simulating", "simulation_held",
     "trial",   "trial_held", "trial_ready",   "returning", "replaying",  "camera_moving"};
 
-/** Part of the physics loop that carries out a mode. A change of mode calls all in this order, a tick the
- * mode's. */
+/** Part of the physics loop that carries out a mode. A change of mode calls all in this order, a tick only
+ * the mode's activity. */
 enum class ActivityKind : std::uint8_t {
   kExecution,
   kTrial,
@@ -92,7 +92,8 @@ struct ModeTraits {
   bool may_replay{};    ///< a replay may start from this mode
   bool may_restart{};   ///< the exercise may restart: no arm moves
   bool follows_robot{};  ///< the model follows a robot that is connected
-  bool leaves_robot{};   ///< the model leaves a healthy robot on purpose, unless it moves the robot too (isApart)
+  bool leaves_robot{};   ///< the model leaves the robot on purpose, without a fault, unless it moves the robot too
+                         ///< (isApart)
   Practice practice{};
   Seeks seeks{};
 };
@@ -133,7 +134,8 @@ constexpr ModeTraits traitsOf(Mode mode) noexcept {
   return {};  // invalid mode
 }
 
-/** Whether the model may be away from a healthy robot. Real-time safe. @param[in] is_linked ModelState::linked. */
+/** Whether the model may be away from the robot without a fault. Real-time safe. @param[in] is_linked
+ * ModelState::linked. */
 constexpr bool isApart(Mode mode, bool is_linked) noexcept {
   const ModeTraits traits = traitsOf(mode);
   return traits.leaves_robot && !(is_linked && mayMoveRobot(traits.moves));

@@ -71,7 +71,7 @@ class FaultEngine {
       (*values)[i] = corrupt(variable, arm, i, (*values)[i]);
   }
 
-  /** The fault of such a kind that acts on a stream or program now, and how far it has come; null if none does. */
+  /** The fault of such a kind that acts on a stream or program now, and which activation; null if none does. */
   struct Acting {
     const Fault* fault{};
     std::int64_t activation{};  ///< counts its activations: 1, 2, ...

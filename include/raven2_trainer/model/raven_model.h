@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::model {
 
-/** The two-arm robot: URDF plus where its links are and how its joints are called. */
+/** The two-arm robot: URDF, constants, each joint's link, each arm's base. */
 struct RavenModel {
   Description description;
   ArmsConfig arms;
@@ -18,7 +18,8 @@ struct RavenModel {
   PerArm<int> base_links{};                      ///< index of base_link_L and base_link_R
   PerArm<Pose> X_WB{};                           ///< arm base (RCM) in the world
 
-  /** URDF joint positions by link index, from robot joints. `positions` must have links.size() entries. */
+  /** URDF joint positions by link index, from robot joints. `positions` must have description.links.size()
+   * entries. */
   void jointPositions(const PerArm<JointArray>& q, std::vector<double>* positions) const;
   /** Pose of every link in W. No allocation once the vectors have their size. */
   void linkPosesInWorld(const PerArm<JointArray>& q, std::vector<double>* positions, std::vector<Pose>* poses) const;

@@ -25,13 +25,13 @@ struct FrameTotals {
 
 /**
  * Sends frames to a few readers and takes bytes from them, without its own thread: the owner calls poll().
- * Every reader has a bounded queue of whole frames. A reader too slow for it loses the oldest ones; it never delays
- * the sender or another reader; one that takes no byte for kStallNs is closed. Neither send nor poll raises
- * SIGPIPE.
+ * Every reader has a bounded queue of whole frames. A slow reader loses the oldest frames, and delays neither the
+ * sender nor another reader. If frames wait and it takes no byte for kStallNs, it is closed. Neither send nor poll
+ * raises SIGPIPE.
  *
  * If all places are taken, a newcomer replaces the oldest reader that sent half a message (markPart()), else the oldest
- * whose frames have waited for kYieldNs, else the newcomer is closed. Newcomers beyond a burst of kAdmitBurst and one
- * every kAdmitIntervalNs are closed, too; one that has already left does not count.
+ * whose frames have waited for kYieldNs, else the newcomer is closed. At most kAdmitBurst newcomers enter at once, then
+ * one every kAdmitIntervalNs; others are closed. One that has already left does not count.
  */
 class TcpServer {
  public:
@@ -91,7 +91,7 @@ class TcpServer {
   struct ReaderInfo {
     Endpoint peer;
     FrameTotals frames;
-    bool stalled{};  ///< closed for kStallNs without a byte taken
+    bool stalled{};  ///< closed because it took no byte for kStallNs
   };
   /** All zero if there is no such client. */
   ReaderInfo reader(ClientId client) const noexcept;

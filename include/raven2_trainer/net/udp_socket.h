@@ -24,10 +24,10 @@ class UdpSocket {
   /** Next datagram, cut to `capacity` bytes, or nullopt if none waits. */
   std::optional<Datagram> receive(std::uint8_t* buffer, std::size_t capacity) noexcept;
 
-  /** Sends to the peer of a connected socket. @return false if the system rejects the datagram. */
+  /** Sends to the peer of a connected socket. @return false on any error except a peer that refuses. */
   bool send(const std::uint8_t* bytes, std::size_t size) noexcept;
 
-  /** Sends from a bound socket; else as send(). */
+  /** Sends from a bound socket, without send()'s second try. @return false on any error. */
   bool sendTo(const Endpoint& peer, const std::uint8_t* bytes, std::size_t size) noexcept;
 
   std::uint16_t port() const noexcept { return port_; }

@@ -40,7 +40,7 @@ struct PlanOptions {
                                      ///< added. Planners that do not take it: see takesSamples()
   std::uint32_t max_samples{};       ///< FMTstar: limit for samples added after failures; equal to `samples`: no
                                      ///< additions. The others ignore it
-  std::uint32_t improve_attempts{};  ///< [-] attempts to improve the path locally; 0: plain FMT*
+  std::uint32_t improve_attempts{};  ///< [-] FMTstar: attempts to improve the path; 0: none
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
   double eta_clearance{};            ///< eta3: weight of the clearance term, not in eq. (1)
@@ -57,7 +57,7 @@ struct PlanProgress {
   std::atomic<std::uint32_t> samples{0};   ///< collision-free samples so far; 0 unless reportsSamples()
   std::atomic<std::uint32_t> edges{0};     ///< edges checked for collision
   std::atomic<std::uint32_t> rollouts{0};  ///< roll-outs: paths that a simulated arm followed
-  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the best path so far; 0: no path
+  std::atomic<double> best_cost{0.0};      ///< eq. (1) of the newest path tried; 0: none
 };
 
 /** Effort of one plan, for studies. Times are wall clock; in lockstep they are 0. */

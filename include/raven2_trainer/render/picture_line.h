@@ -9,7 +9,7 @@ namespace raven2_trainer::render {
 
 /**
  * The way of the pictures to the surgeon's eyes, with what faults of the video do on it (DaemonFaults::picture and
- * picture_delay_ms): black, frozen, the eyes changed over, late. Goes by the states' ticks alone, so that a log gives
+ * picture_delay_ms): black, frozen, the eyes swapped, late. Goes by the states' ticks alone, so that a log gives
  * the pictures that were seen live at the same rate. Keeps the states of the last 5 s, about 1 MB.
  */
 class PictureLine {
@@ -33,7 +33,7 @@ class PictureLine {
 };
 
 /** From where a state is seen by a camera (model::cameraAt); an eye of a pair from where the other is, if they are
- * changed over. */
+ * swapped. */
 model::Camera cameraSeeing(const Snapshot& snapshot,
                            const CameraConfig& camera,
                            const PerArm<Pose>& X_WB,

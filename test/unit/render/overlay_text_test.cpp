@@ -173,7 +173,7 @@ TEST(OverlayText, TheBannerSaysWhatAFaultDoesToTheTraineesPicture) {
   set(PictureFault::kBlack);
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, picture black");
   set(PictureFault::kEyesSwapped);
-  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, eyes changed over");
+  EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze, eyes swapped");
   set(static_cast<PictureFault>(200));
   EXPECT_EQ(describe(s, gains()).banner, "FAULT: video_freeze") << "an intact log has no such value";
   set(PictureFault::kNone);
