@@ -192,6 +192,8 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return endLasting(Motion::kTwist);
     case ServoKind::kEndRates:
       return endLasting(Motion::kRates);
+    case ServoKind::kEndForces:
+      return {};  // no force acts here
     default:
       return {ServoRefusal::kNotOffered};  // kState, kFree, forces: not an arm's own
   }

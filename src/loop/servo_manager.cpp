@@ -42,7 +42,7 @@ bool isForce(ServoKind kind) noexcept {
 /** Asks nothing of an arm: it needs no pedal. */
 bool isSetting(ServoKind kind) noexcept {
   return kind == ServoKind::kRatio || kind == ServoKind::kGravity || kind == ServoKind::kTool ||
-         kind == ServoKind::kEndTwist || kind == ServoKind::kEndRates;
+         kind == ServoKind::kEndTwist || kind == ServoKind::kEndRates || kind == ServoKind::kEndForces;
 }
 
 bool isOfJaw(ServoKind kind) noexcept {
@@ -243,10 +243,7 @@ ServoVerdict ServoManager::judge(const ServoCommand& command) noexcept {
   if (command.kind == ServoKind::kFree) return {takeState(StateCommand::kPause)};  // a Raven's brakes hold it
   if (command.kind == ServoKind::kTool) return {ServoRefusal::kNotOffered};
   if (command.kind == ServoKind::kGravity) return setWeight(command);
-  if (command.kind == ServoKind::kEndForces) {
-    endPush(command.arm);
-    return {};
-  }
+  if (command.kind == ServoKind::kEndForces) endPush(command.arm);
   if (isSetting(command.kind)) return at(targets_, command.arm).take(command);
   if (isForce(command.kind) && stand_.robot_there) return {ServoRefusal::kHasRobot};
   const ServoRefusal reason = command.kind == ServoKind::kHold ? mayHold() : mayMove();

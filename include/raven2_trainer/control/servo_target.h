@@ -54,7 +54,7 @@ class ServoTarget {
   /** TeleopMapper's result for the last set point. The set point stays, unless it is far from this result. */
   void keepTo(const Pose& X_BT, const JointArray& q, double opening) noexcept;
 
-  /** Takes hold, motions, kRatio, kEndTwist and kEndRates; refuses others. A refusal changes nothing. */
+  /** Takes hold, motions, kRatio and what ends a command (kEndTwist ...); refuses others. A refusal changes nothing. */
   ServoVerdict take(const ServoCommand& command) noexcept;
   /** Stays where the set point is; what was to come is forgotten. */
   void hold() noexcept;
