@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 import aiohttp
 from ros_master import RosMaster
@@ -115,6 +116,26 @@ async def end_session(station):
         await page.until(lambda: page.phase() is not None, 5, "the station says its phase")
         if page.phase() == "running":
             await stop(page)
+
+
+async def engage(page, trainee):
+    begun = time.monotonic()
+    await drive(trainee, 30, pedal=False)
+    while page.mode() != "teleoperating":
+        assert time.monotonic() - begun < 10, page.newest["mode"]
+        await drive(trainee, 30, pedal=False)
+        await drive(trainee, 30)
+
+
+async def drive(page, count, pedal=True, move=(0, 0, 0)):
+    """60 messages a second. @return the longest time [s] between two of them."""
+    sent = []
+    for _ in range(count):
+        sent.append(time.monotonic())
+        await page.socket.send_str(json.dumps({"do": "hands", "with": {
+            "pedal": pedal, "arms": {"gold": {"move": list(move), "turn": [0, 0, 0], "jaw": 0.6}}}}))
+        await asyncio.sleep(max(0.0, sent[0] + len(sent) / 60 - time.monotonic()))
+    return max(b - a for a, b in zip(sent, sent[1:]))
 
 
 class Page:

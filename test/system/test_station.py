@@ -13,7 +13,7 @@ import numpy as np
 import psutil
 import pytest
 from stack import ROOT, wait_until
-from station_rig import Page, end_session, start, stop
+from station_rig import Page, drive, end_session, engage, start, stop
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
 import raven2_session  # noqa: E402
@@ -139,15 +139,6 @@ def last_press(pedal):
     return slice(np.flatnonzero(edges > 0)[-1], np.flatnonzero(edges < 0)[-1])
 
 
-async def engage(page, trainee):
-    begun = time.monotonic()
-    await drive(trainee, 30, pedal=False)
-    while page.mode() != "teleoperating":
-        assert time.monotonic() - begun < 10, page.newest["mode"]
-        await drive(trainee, 30, pedal=False)
-        await drive(trainee, 30)
-
-
 @contextlib.contextmanager
 def urgent():
     """Where it is permitted, this process comes before station and programs: a trainee's page has another computer."""
@@ -157,17 +148,6 @@ def urgent():
         yield
     finally:
         os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-
-
-async def drive(page, count, pedal=True, move=(0, 0, 0)):
-    """60 messages a second. @return the longest time [s] between two of them."""
-    sent = []
-    for _ in range(count):
-        sent.append(time.monotonic())
-        await page.socket.send_str(json.dumps({"do": "hands", "with": {
-            "pedal": pedal, "arms": {"gold": {"move": list(move), "turn": [0, 0, 0], "jaw": 0.6}}}}))
-        await asyncio.sleep(max(0.0, sent[0] + len(sent) / 60 - time.monotonic()))
-    return float(np.diff(sent).max())
 
 
 def test_a_killed_station_finds_its_session_again_within_3_s(station):

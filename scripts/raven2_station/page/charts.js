@@ -72,17 +72,37 @@ export class Strip {
 function cross(context, x, y) {
   context.strokeStyle = "#b3160e";
   context.lineWidth = 3;
-  context.beginPath();
-  for (const side of [-1, 1]) {
-    context.moveTo(x - 6, y - 6 * side);
-    context.lineTo(x + 6, y + 6 * side);
-  }
-  context.stroke();
+  for (const side of [-1, 1]) line(context, [[x - 6, y - 6 * side], [x + 6, y + 6 * side]], false);
   context.lineWidth = 1;
 }
 
+function line(context, points, isClosed) {
+  context.beginPath();
+  context.moveTo(...points[0]);
+  for (const point of points.slice(1)) context.lineTo(...point);
+  if (isClosed) context.closePath();
+  context.stroke();
+}
+
+function disc(context, x, y, isFilled) {
+  context.beginPath();
+  context.arc(x, y, 6, 0, 2 * Math.PI);
+  if (isFilled) context.fill();
+  context.stroke();
+}
+
+const square = (context, x, y) => context.strokeRect(x - 6, y - 6, 12, 12);
+const triangle = (context, x, y) => line(context, [[x, y - 7], [x + 7, y + 5], [x - 7, y + 5]], true);
+
+// [field of an attempt, colour, share of the axis, mark]
+const CURVES = [
+  ["time", "#0b5cad", (value, top) => value / top, disc],
+  ["score", "#186a3b", (value) => value, square],
+  ["response", "#b3160e", (value) => Math.min(value, 5) / 5, triangle],
+];
+
 // Score, time and hazard response over a trainee's attempts. A filled mark: passed. A cross on the axis: not passed, with
-// or without a time.
+// or without a time. Lines connect the attempts at one exercise: times of two exercises cannot be compared.
 export function drawCurve(canvas, attempts) {
   const context = canvas.getContext("2d");
   const { width, height } = canvas;
@@ -92,27 +112,16 @@ export function drawCurve(canvas, attempts) {
   const x = (i) => 24 + (i + 0.5) * ((width - 48) / Math.max(attempts.length, 1));
   attempts.forEach((attempt, i) => {
     if (attempt.passed === false) cross(context, x(i), height - 12);
-    context.strokeStyle = "#0b5cad";
-    context.fillStyle = "#0b5cad";
-    if (typeof attempt.time === "number") {
-      context.beginPath();
-      context.arc(x(i), height - 12 - (attempt.time / top) * (height - 56), 6, 0, 2 * Math.PI);
-      if (attempt.passed === true) context.fill();
-      context.stroke();
-    }
-    if (typeof attempt.score === "number") {
-      context.strokeStyle = "#186a3b";
-      context.strokeRect(x(i) - 6, height - 18 - attempt.score * (height - 56), 12, 12);
-    }
-    if (typeof attempt.response === "number") {
-      const y = height - 12 - (Math.min(attempt.response, 5) / 5) * (height - 56);
-      context.strokeStyle = "#b3160e";
-      context.beginPath();
-      context.moveTo(x(i), y - 7);
-      context.lineTo(x(i) + 7, y + 5);
-      context.lineTo(x(i) - 7, y + 5);
-      context.closePath();
-      context.stroke();
-    }
   });
+  for (const [field, colour, share, mark] of CURVES) {
+    const last = {};  // place of the attempt before, by exercise
+    context.strokeStyle = context.fillStyle = colour;
+    attempts.forEach((attempt, i) => {
+      if (typeof attempt[field] !== "number") return;
+      const place = [x(i), height - 12 - share(attempt[field], top) * (height - 56)];
+      if (last[attempt.exercise]) line(context, [last[attempt.exercise], place], false);
+      last[attempt.exercise] = place;
+      mark(context, ...place, attempt.passed === true);
+    });
+  }
 }
