@@ -70,11 +70,8 @@ TEST_P(RingExercise, IsDoneThroughItpAlone) {
     const auto tried = seed == kFirst ? first() : attempt(seed);
     if (!isDone(*tried)) continue;
     times.push_back(tried->seconds());
-    // The expert intends no mistake, but a tool may brush against something once.
-    for (std::size_t kind = 0; kind < kMistakeCount; ++kind) {
-      const std::uint32_t most = static_cast<Mistake>(kind) == Mistake::kCollision ? 1 : 0;
-      EXPECT_LE(tried->exercise().mistakes[kind], most) << kMistakeNames[kind] << ", seed " << seed;
-    }
+    for (std::size_t kind = 0; kind < kMistakeCount; ++kind)
+      EXPECT_EQ(tried->exercise().mistakes[kind], 0U) << kMistakeNames[kind] << ", seed " << seed;
   }
   tellRate(GetParam(), times, all.size());
   EXPECT_GE(static_cast<double>(times.size()), 0.95 * static_cast<double>(all.size()));

@@ -9,7 +9,6 @@ import os
 import pathlib
 import re
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -368,24 +367,6 @@ class Crtk(unittest.TestCase):
             self.assertGreater(shared, 0.9 * len(common["measured_js"]), name)
         age = (rospy.Time.now() - arm.next("measured_js").header.stamp).to_sec()
         self.assertLess(abs(age), 0.5, "stamps are the time of the tick")
-
-    def test_05_measured_js_comes_500_times_a_second_at_least(self):
-        topic = Topic(f"{ARMS[0]}/measured_js", JointState)
-        time.sleep(4.5)
-        topic.close()
-        headers = [message.header for message in topic.messages]
-        seconds = (headers[-1].stamp - headers[0].stamp).to_sec()
-        # roscpp numbers its messages, so those that this process is too slow for are counted as well
-        published, taken = (headers[-1].seq - headers[0].seq) / seconds, len(headers) / seconds
-        gaps = [(b.stamp - a.stamp).to_sec() for a, b in zip(headers, headers[1:]) if b.seq == a.seq + 1]
-        print(f"measured_js: {published:.1f} Hz published, {taken:.1f} Hz received by Python, "
-              f"stamps {1e3 * statistics.median(gaps):.3f} ms apart, {1e3 * max(gaps):.1f} ms at most")
-        self.assertGreater(seconds, 4.0)
-        self.assertGreater(len(gaps), 1000)
-        self.assertGreater(min(gaps), 0.0, "each tick is published once")
-        self.assertLess(statistics.median(gaps), 2.05e-3)
-        self.assertGreaterEqual(published, 490)
-        self.assertLess(published, 550)
 
     def test_06_local_is_the_world_seen_from_the_arms_base(self):
         frames = Topic("/tf_static", TFMessage)

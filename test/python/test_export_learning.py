@@ -606,3 +606,33 @@ def test_a_terminated_run_ends_its_simulations_and_leaves_no_half_session(tmp_pa
         assert running.wait(timeout=60) == 143
     left = subprocess.run(["pgrep", "-f", f"simulate.*{sessions}"], capture_output=True, text=True, check=False).stdout.split()
     assert simulating and not left and not list(sessions.glob("*.unfinished"))
+
+
+def test_a_killed_run_with_hazards_and_pictures_goes_on_where_it_was(tmp_path):
+    words = ("--exercise", "pick_hand_over_place", "--seeds", "1", "--hazards", "none,own", "--cameras", "endoscope", "--size", "64x64",
+             "--jobs", "1", "--output", tmp_path / "set.hdf5")
+    script = ROOT / "scripts/make_dataset"
+    sessions = tmp_path / "set.hdf5.sessions"
+    first, second = (sessions / f"pick_hand_over_place-{hazard}-expert-1" for hazard in ("none", "own"))
+    with subprocess.Popen(list(map(str, (script, *words))), stderr=subprocess.DEVNULL, env=dict(os.environ)) as running:
+        wait_for(lambda: first.exists() and second.with_name(second.name + ".unfinished").exists())
+        running.kill()
+    wait_for(lambda: not subprocess.run(["pgrep", "-f", f"simulate.*{sessions}"], stdout=subprocess.DEVNULL, check=False).returncode == 0)
+    assert not second.exists(), "it was killed in the middle"
+    recorded = (first / "session.rlog").stat().st_mtime_ns
+    done = export(*words, "--keep-sessions", program=script)
+    assert done.returncode == 0, done.stderr
+    assert (first / "session.rlog").stat().st_mtime_ns == recorded
+    with h5py.File(tmp_path / "set.hdf5") as file:
+        assert {split: list(names[:]) for split, names in file["mask"].items()} == {"nominal": [b"demo_0"], "recovery": [b"demo_1"]}
+        for demo, hazards in (("demo_0", {b"none"}), ("demo_1", {b"none", b"sudden_jump"})):
+            pictures = file[f"data/{demo}/obs/endoscope_image"]
+            assert pictures.shape == (file[f"data/{demo}/actions"].shape[0], 64, 64, 3) and len(np.unique(pictures[-1])) > 10
+            assert set(file[f"data/{demo}/truth/hazard"][:]) == hazards
+
+
+def wait_for(condition, seconds=60):
+    until = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < until, condition
+        time.sleep(0.02)
