@@ -236,6 +236,50 @@ TEST(Chunks, HaveTheContentsThatTheirPageStates) {
   EXPECT_EQ(number(id + kPerChunk, 1), 0U);
 }
 
+void appendFrame(FrameHeader header, const std::uint8_t* payload, Bytes* bytes) {
+  Bytes frame(kFrameHeaderSize);
+  encodeFrameHeader(header, frame.data());
+  frame.insert(frame.end(), payload, payload + header.length);
+  const std::uint32_t crc = crc32Of(frame.data(), frame.size());
+  const auto* tail = reinterpret_cast<const std::uint8_t*>(&crc);
+  frame.insert(frame.end(), tail, tail + kCrcSize);
+  bytes->insert(bytes->end(), frame.begin(), frame.end());
+}
+
+/** The log as format 1 has it: its header says so, and every record is a frame of its own. */
+Bytes inTheFirstFormat(const ChunkedLog& log) {
+  const auto at = [&](std::size_t record) { return record == 0 ? 0 : log.ends[record - 1]; };
+  Bytes bytes;
+  for (std::size_t i = 0; i < log.ends.size(); ++i) {
+    FrameHeader header = decodeFrameHeader(log.bytes.data() + at(i));
+    const std::uint8_t* payload = log.bytes.data() + at(i) + kFrameHeaderSize;
+    if (header.type == RecordType::kHeader) {
+      std::string json(payload, payload + header.length);
+      const std::string version = "\"format_version\":" + std::to_string(kFormatVersion);
+      EXPECT_NE(json.find(version), std::string::npos);
+      json.replace(json.find(version), version.size(), "\"format_version\":1");
+      appendFrame(header, reinterpret_cast<const std::uint8_t*>(json.data()), &bytes);
+      continue;
+    }
+    ChunkReader chunk;
+    if (header.type != RecordType::kChunk) appendFrame(header, payload, &bytes);
+    if (header.type != RecordType::kChunk || !chunk.open(header, payload)) continue;
+    while (chunk.next(&header, &payload))
+      appendFrame(header, payload, &bytes);
+  }
+  return bytes;
+}
+
+TEST(Chunks, ALogOfTheFirstFormatHasTheSameRecordsWithoutThem) {
+  const Bytes bytes = inTheFirstFormat(makeChunkedLog());
+  EXPECT_GT(bytes.size(), 2 * kPerChunk * 126);
+  Found found = readAll(bytes);
+  EXPECT_EQ(found.ids, idsOf(true, true));
+  EXPECT_EQ(found.summary.records, 2 * kPerChunk + 1);
+  EXPECT_TRUE(found.summary.clean);
+  EXPECT_EQ(found.summary.bad_bytes + found.summary.truncated_bytes, 0U);
+}
+
 TEST(Chunks, ALogThatIsCutEndsWithTheLastWholeOne) {
   const ChunkedLog log = makeChunkedLog();
   for (std::size_t cut = log.ends[0]; cut < log.bytes.size(); cut += 1 + cut % 5) {
@@ -266,15 +310,9 @@ Bytes logWith(const ChunkedLog& log, const Bytes& contents) {
   Bytes payload(kChunkSpanSize + ZSTD_compressBound(contents.size()));
   payload.resize(kChunkSpanSize + ZSTD_compress(payload.data() + kChunkSpanSize, payload.size() - kChunkSpanSize,
                                                 contents.data(), contents.size(), 1));
-  Bytes frame(kFrameHeaderSize);
-  encodeFrameHeader({kMagic, RecordType::kChunk, kChunkVersion, static_cast<std::uint32_t>(payload.size()), 1},
-                    frame.data());
-  frame.insert(frame.end(), payload.begin(), payload.end());
-  const std::uint32_t crc = crc32Of(frame.data(), frame.size());
-  const auto* tail = reinterpret_cast<const std::uint8_t*>(&crc);
-  frame.insert(frame.end(), tail, tail + kCrcSize);
   Bytes bytes(log.bytes.begin(), log.bytes.begin() + static_cast<std::ptrdiff_t>(log.ends[0]));
-  bytes.insert(bytes.end(), frame.begin(), frame.end());
+  appendFrame({kMagic, RecordType::kChunk, kChunkVersion, static_cast<std::uint32_t>(payload.size()), 1},
+              payload.data(), &bytes);
   return bytes;
 }
 
