@@ -51,7 +51,7 @@ struct Figures {
   PerArm<double> motion{};             ///< [m] farthest from where the fault found the tip
   PerArm<double> golden_motion{};      ///< [m] the same of the golden run
   ProgramState program{ProgramState::kRunning};
-  std::uint8_t is_finite{1};      ///< 0: a tip of the simulated plant was not a number
+  std::uint8_t is_finite{1};      ///< 0: a tip of the simulated plant was not finite
   std::uint8_t started{};         ///< PLC and control program were in PEDAL_DN together, at some tick of all compared
   std::uint8_t golden_started{};  ///< the same of the golden run
 };
@@ -109,7 +109,7 @@ enum class Ending : std::uint8_t {
   kDied,      ///< by a signal, or without a word
   kBudget,    ///< it used up its processor time
   kMemory,    ///< it wanted more memory than it may have
-  kNoEnd,     ///< it was still there at the wall's limit: stopped, or waiting; how fast a machine is decides over that
+  kNoEnd,     ///< it was still there at the wall-time limit: stopped, or waiting; the machine's speed decides
 };
 constexpr std::array<const char*, 5> kEndingNames{"complete", "died", "budget", "memory", "no_end"};
 

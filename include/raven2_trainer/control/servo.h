@@ -106,7 +106,7 @@ struct ServoCommand {
   Vec3 v_B{}, w_B{};           ///< [m/s], [rad/s] kServoTwist, of T in B
   Vec3 force{}, torque{};      ///< [N], [Nm] kServoWrench
   WrenchFrame frame{WrenchFrame::kTip};
-  double jaw{};     ///< [rad] opening (kinematics::jawOpening), or a step; kServoJawForce: [Nm], opens
+  double jaw{};     ///< [rad] opening (kinematics::jawOpening), or a step; kServoJawForce: opening [Nm]
   double number{};  ///< kRatio, kGravity, kTool
 };
 static_assert(std::is_trivially_copyable<ServoCommand>::value, "travels in a ring");

@@ -11,7 +11,8 @@ namespace raven2_trainer::haptics {
  * Guidance virtual fixture (Rosenberg 1993): a spring from the tip to the nearest point of the path, past an end to
  * that end. At most `max_force`. From `reach` on the force fades, at twice that it is gone, so a surgeon can leave the
  * path. The size depends only on the distance d to the path, and the direction is that of -grad d. So the force is the
- * gradient of a potential, the integral of the size over d. A closed path gains no energy from it. Between the ends
+ * gradient of a potential, the integral of the size over d. A closed motion of the hand gains no energy from
+ * it. Between the ends
  * there is no force along the path. Where two points of the path are equally near the direction jumps, the potential
  * does not. A tip that is not finite, or a path without points, gives none. Real-time safe: one pass over the path.
  *

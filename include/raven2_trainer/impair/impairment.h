@@ -22,8 +22,8 @@ struct ParetoTwo {
 };
 
 /**
- * Bursts of lost packets of Pareto length, one drawn behind every packet that passes: floor(X) packets are lost, the
- * next one passes. X follows the law of the state that a Gilbert-Elliott chain is in at that packet. Off while is_on is
+ * Bursts of lost packets of Pareto length, one drawn at the packet after each that passes: floor(X) packets are
+ * lost, the next one passes. X follows the law of the Gilbert-Elliott chain's state at the draw. Off while is_on is
  * false.
  */
 struct ParetoBursts {
@@ -77,7 +77,7 @@ struct RateLimit {
   std::int64_t queue_ns{200'000'000};  ///< a packet that would wait longer is lost
 };
 
-/** Outages that repeat: so long cut, then a pause, and so on. Off while longest_ns is 0. */
+/** Outages that repeat: a cut, then a pause, and so on. Off while longest_ns is 0. */
 struct Cuts {
   std::int64_t first_ns{};     ///< start of the first one, from the start of the channel
   std::int64_t shortest_ns{};  ///< length uniform between the two

@@ -119,7 +119,7 @@ class PathPlanner {
               const ModelConfig& model);
   ~PathPlanner();
 
-  /** Computes the data of the scene, in some tenths of a second, unless this was done before.
+  /** Computes the data of the scene, in about 0.1 s, unless this was done before.
    *  @param[in] cancel Set it in another thread to cancel. The next prepare() or plan() starts again.
    *  @throw ModelException, std::bad_alloc; std::runtime_error if cancelled. Within plan(), these give kFailed or
    *  kCancelled instead.

@@ -41,7 +41,8 @@ class BoardFaults {
     bool is_written{true};  ///< false: the program gets the answer that it was written, and no board gets it
     Arm board{};            ///< the board that gets it
   };
-  /** The program writes to a board. @param[out] out what goes there; alike where nothing acts or it is no DAC packet.
+  /** The program writes to a board. @param[out] out what goes there; unchanged where nothing acts or it is no DAC
+   * packet.
    */
   Order write(Arm arm, const raven::UsbOutBytes& bytes, raven::UsbOutBytes* out) noexcept;
 

@@ -31,7 +31,7 @@ struct DetectorReport {
 class ControlSoftware {
  public:
   /** @param[in] key of signed ITP, outlives this; nullptr: nothing is verified. Only `hardened` verifies.
-   *  @throw ConfigException for a behaviour that there is not. */
+   *  @throw ConfigException for an unknown `behaviour`. */
   ControlSoftware(const ArmsConfig& arms, const VirtualRavenConfig& config, const wire::ItpKey* key = nullptr);
   ~ControlSoftware();
   ControlSoftware(const ControlSoftware&) = delete;
@@ -60,14 +60,13 @@ class ControlSoftware {
   /** Nothing but zeros without a detector. */
   DetectorReport detectorReport() const noexcept;
 
-  /** The oldest fault that began or ended and was not reported yet, with the cycle; ask after each. @return false:
-   * none. */
+  /** The oldest unreported beginning or end of a fault, with this cycle. Ask after each cycle, until @return false. */
   bool nextFaultChange(FaultChange* change) noexcept;
 
-  /** Signals for their triggers, from the next cycle on. */
+  /** Signals for fault triggers, from the next cycle on. */
   void setSignals(const FaultSignals& signals) noexcept;
 
-  /** false from the cycle in which a fault ended or stopped the program: it does nothing any more, the boards keep
+  /** false from the cycle in which a fault crashed or hung the program: it does nothing any more, the boards keep
    *  their last commands. state().program says which; one last state goes out, with the fault that did it. */
   bool isAlive() const noexcept;
 

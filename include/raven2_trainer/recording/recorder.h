@@ -44,7 +44,7 @@ class Recorder {
   void follow();
 
   /**
-   * The same with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
+   * As follow(), with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
    * 0.5 s; a line on stderr reports the first refusal and its end. Forces the log to the disk once a second. Where the
    * queues do not survive the process, it writes at once.
    * @param[in] at_once To write what is waiting in any case: the end of the session.

@@ -58,11 +58,11 @@ class RavenServer {
   bool automove(const RavenAutomove& move) noexcept { return automoves_.tryPush(move); }
 
  private:
-  /** Longer datagrams are cut here as the robot's recvfrom does; 256 bytes keep "longer" visible. */
+  /** Cut at 256 bytes, as the robot's recvfrom cuts: still longer than an ITP packet. */
   struct Datagram {
     std::uint32_t size{};
     std::uint64_t source{};
-    wire::Nonce fresh{};  ///< for an answer to it; random only if it may be asked for
+    wire::Nonce fresh{};  ///< nonce for its answer; random only if it is a handshake
     std::array<std::uint8_t, 256> bytes{};
   };
 

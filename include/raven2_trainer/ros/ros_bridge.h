@@ -12,7 +12,8 @@ namespace raven2_trainer::ros_bridge {
 
 /**
  * The daemon's face to ROS: shared state to topics, services to requests. Publishes from its own thread; the
- * 1 kHz loops never see ROS. Topics, services and their rates: README; which of them a network gets: doc/ros.md.
+ * 1 kHz loops never see ROS. Topics, services and their rates: doc/interfaces.md; which of them a network gets:
+ * doc/ros.md.
  */
 class RosBridge : public RosFace {
  public:

@@ -9,7 +9,7 @@ namespace raven2_trainer::ros_bridge {
 class RosFace {
  public:
   virtual ~RosFace() = default;
-  /** Topics and services appear. After ros::start(); may block on a master that is slow. Again after stop(). */
+  /** Topics and services appear. Call it after ros::start(), or after stop(); a slow master may block it. */
   virtual void start() = 0;
   /** They go and their threads end. Safe without start(). */
   virtual void stop() = 0;

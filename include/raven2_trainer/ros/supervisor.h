@@ -9,7 +9,7 @@ namespace raven2_trainer::ros_bridge {
 /**
  * Holds a program's tie to the ROS master, from its own thread: nothing else ever waits for ROS.
  *
- * Looks for a master every 0.25 s with calls that give up; with the first one it starts roscpp and the face. A master
+ * Looks for a master every 0.1 to 0.25 s with timed calls; with the first one it starts roscpp and the face. A master
  * that came back without knowing this node (another process, or its memory gone) gets all topics, services and
  * subscriptions again, which roscpp never does. Connections to subscribers stay meanwhile.
  *
@@ -39,7 +39,7 @@ class Supervisor {
   void end() noexcept;
 
   /**
-   * Ends the face and roscpp. Last in main: a master that hangs is not waited for longer than 0.4 s; then the process
+   * Ends the face and roscpp. Last in main: a master that hangs is not waited for longer than 0.5 s; then the process
    * ends here and now with `status`. @return `status`.
    */
   int leave(int status);

@@ -22,7 +22,8 @@ struct FlightCheckpoint {
 /**
  * The record queues in a tmpfs file, mapped and locked. Pushed records survive a SIGKILL of the process, and the loops
  * need no system call and have no page fault. (On a disk, the write-back of a page would stall the loop that writes to
- * the page.) Until it is attached to a session, or if the file cannot be created, the queues are in plain memory.
+ * the page.) Before attach() nothing finds the file. If it cannot be created, the queues are in plain
+ * memory.
  *
  *   file: head, two checkpoints written alternately, a JSON description of the rest, the queues
  *

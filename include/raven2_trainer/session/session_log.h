@@ -52,7 +52,7 @@ struct LogHeader {
   double d4{};                                       ///< [m] ArmGeometry::d4, to convert joint coordinates
   double tolerance{};                                ///< [m] tip error above which the force cue acts
   int model_version{1};                              ///< kModelVersion of the program that recorded
-  PerArm<bool> arm_contacts{};                       ///< whether the model's arm collides with the scene at the start
+  PerArm<bool> arm_contacts{};                       ///< setting at the start: the model's arm can touch the scene
   std::vector<std::string> body_names;               ///< indexed by the body numbers of contact records
   std::vector<ConfigurationFile> configuration;      ///< copied files, root file first; empty: no copies
 };

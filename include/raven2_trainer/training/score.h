@@ -46,8 +46,9 @@ std::vector<Metric> listMetrics(const MotionMetrics& motion, const AttemptOutcom
 /** Standard for attempts. */
 struct Standard {
   const Band* band{};      ///< of the exercise; nullptr: nothing is judged. It must outlive the results
-  double deviations{1.0};  ///< [-] of the band that a metric may be worse than its mean
-  /** Of the exercise: no other metric is judged, and none may pass its limit. Nothing: all of the band are judged. */
+  double deviations{1.0};  ///< [-] spreads by which a metric may be worse than the band's mean
+  /** Of the exercise: no other metric is judged, and none may violate its limit. Nothing: all of the band are judged.
+   */
   std::optional<std::vector<ScoredMetric>> scored;
 };
 
@@ -56,7 +57,7 @@ struct MetricScore {
   const BandMetric* band{};     ///< nullptr: not in the band
   std::optional<double> bound;  ///< in the metric's unit: the exercise's own limit
   bool is_scored{};             ///< the exercise asks for it, or the band has it where no exercise says
-  bool is_judged{};             ///< it is scored, and there are a value, a band and something about it in either
+  bool is_judged{};             ///< scored, with a value and a band; the band or `bound` has it
   BandJudgement judgement{};    ///< by the band or by the bound, whichever is stricter
 };
 
@@ -68,7 +69,7 @@ struct AttemptScore {
   std::vector<HazardScore> hazards;
   std::vector<MetricScore> metrics;
   std::vector<std::string> not_judged;  ///< what is scored and was not measured, or is not in the band
-  std::optional<bool> passed;           ///< nothing without band or exercise, or where a drill had nothing to answer
+  std::optional<bool> passed;           ///< nothing without band or exercise, or if only the drill's hazard was missing
   std::optional<double> composite;      ///< [-] share of the judged metrics that passed; decides nothing
   std::vector<std::string> improve;     ///< at most three: what to work on, most urgent first
 };
@@ -80,7 +81,7 @@ std::optional<double> firstAnswer(const std::vector<HazardScore>& hazards);
 
 /**
  * An attempt passes if the exercise was done and every measured scored metric is within its limit (no metric
- * compensates another). At least one must have been measured. Every noticeable hazard (Verdict::kNotJudged) must have
+ * compensates another). At least one must have been measured. Every hazard except Verdict::kNotJudged must have
  * been answered rightly and in time. One that would pass in a drill without such a hazard has neither passed nor
  * failed.
  */

@@ -41,7 +41,7 @@ constexpr double kSettle = 2.0;           // [s] connections are made in
 constexpr double kForceNewsPeriod = 0.1;  // [s] who reads forces is looked at
 constexpr auto kForceLifetime = 50ms;     // a force not renewed is gone, as at the console (sources.md 2.2)
 constexpr int kGoodbyes = 5;              // messages of no force at the end, 5 ms apart
-constexpr int kMostGoodbyes = 50;         // the same to a hand that goes on: 250 ms of the Supervisor's 400
+constexpr int kMostGoodbyes = 50;         // the same to a hand that goes on: 250 ms of the Supervisor's 500
 
 double secondsSince(Clock::time_point start) {
   return std::chrono::duration<double>(Clock::now() - start).count();
