@@ -9,7 +9,6 @@ Needs the built programs. The last line says how far the robot's tip moved. Exit
 import argparse
 import asyncio
 import os
-import signal
 import subprocess
 import sys
 import tempfile
@@ -61,7 +60,7 @@ def main():
                 name = asyncio.run(drive_once(f"http://localhost:{port}"))
                 print(f"driven {time.monotonic() - begun:.0f} s after the start", file=sys.stderr)
             finally:
-                station.send_signal(signal.SIGINT)
+                station.terminate()  # Ctrl-C is ignored where this script runs in the background
         moved = robots_path(os.path.join(sessions, name))
     print(f"the robot's tip moved {moved:.1f} mm")
     return 0 if moved > 10 else 1
