@@ -1,5 +1,7 @@
 #include "raven2_trainer/console/make_motion.h"
 
+#include <algorithm>
+
 #include "raven2_trainer/console/commands_file.h"
 #include "raven2_trainer/console/reactor.h"
 #include "raven2_trainer/console/script.h"
@@ -14,6 +16,7 @@ const std::string kRecording = "recording:";
 const std::string kCommands = "commands:";
 const std::string kExpert = "expert";
 const std::string kClumsy = "clumsy:";
+constexpr double kClutches = 2.5;  // [-] of a release by reaction, in clutches of the surgeon
 
 bool startsWith(const std::string& text, const std::string& beginning) noexcept {
   return text.compare(0, beginning.size(), beginning) == 0;
@@ -47,16 +50,31 @@ void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
                         expectedOneOf(name, clumsySurgeonsOf(config.exercise)));
 }
 
-std::unique_ptr<MotionSource> makeSurgeon(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
-  demandExpert(config, motion);
-  std::vector<Verb> verbs = verbsOf(config.exercise, config.roles);
+/** What a surgeon does in an exercise, and how well. */
+struct Work {
+  std::vector<Verb> verbs;
   Skill skill;
-  if (startsWith(motion, kClumsy)) {
-    demandClumsy(config, motion);
-    const std::string name = motion.substr(kClumsy.size());
-    makeClumsy(clumsinessOf(config.exercise, config.roles, name), &verbs, &skill);
-  }
-  return makeExpert(config.console, config.arms, config.roles, verbs, skill, config.seed, truth);
+};
+
+Work workOf(const SurgeonConfig& config, const std::string& motion) {
+  demandExpert(config, motion);
+  Work work{verbsOf(config.exercise, config.roles), {}};
+  if (!startsWith(motion, kClumsy)) return work;
+  demandClumsy(config, motion);
+  const std::string name = motion.substr(kClumsy.size());
+  makeClumsy(clumsinessOf(config.exercise, config.roles, name), &work.verbs, &work.skill);
+  return work;
+}
+
+std::unique_ptr<MotionSource> makeSurgeon(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
+  const Work work = workOf(config, motion);
+  return makeExpert(config.console, config.arms, config.roles, work.verbs, work.skill, config.seed, truth);
+}
+
+/** [s] The pedal stays up for longer than in this surgeon's clutches: doc/scores.md wants twice as long. */
+double restOf(const SurgeonConfig& config, const std::string& motion) {
+  const double clutch = doesExercise(motion) ? workOf(config, motion).skill.clutch_time : config.console.clutch_time;
+  return std::max(Reaction{}.rest, kClutches * clutch);
 }
 
 std::unique_ptr<MotionSource> makeHands(const SurgeonConfig& config, const std::string& motion, TruthLog* truth) {
@@ -83,6 +101,7 @@ std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const Moti
   if (isCommanded(choice.motion)) throw ConfigException("reaction: " + choice.motion + " heeds no force; leave it out");
   Reaction reaction;
   reaction.delay = *choice.reaction;
+  reaction.rest = restOf(config, choice.motion);
   return makeReacting(std::move(hands), reaction, truth);
 }
 

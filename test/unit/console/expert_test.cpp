@@ -1,4 +1,5 @@
 #include "raven2_trainer/console/expert.h"
+#include "raven2_trainer/console/make_motion.h"
 
 #include <gtest/gtest.h>
 
@@ -554,6 +555,26 @@ TEST(Reaction, LetsGoOfThePedalSoLongAfterTheForce) {
   world.run(200.0);
   EXPECT_TRUE(world.finished());
   EXPECT_LT((world.ring().p - Vector3(-0.018, -0.028, 0.002)).norm(), 0.002) << "and continues where it was";
+}
+
+TEST(Reaction, LastsLongerThanTheSurgeonsOwnClutches) {
+  for (const auto& [clutch, expected] : {std::pair{0.5, 3000}, std::pair{2.0, 5000}}) {
+    TrainerConfig config = shippedConfig();
+    config.console.clutch_time = clutch;
+    FakeWorld world(config, makeMotion(config, MotionChoice{"scripted", 0.1}));
+    while (world.packet().surgeon_mode == 0 && world.seconds() < 20.0)
+      world.tick();
+    world.push_I = {1.0, 0.0, 0.0};
+    while (world.packet().surgeon_mode == 1 && world.seconds() < 40.0)
+      world.tick();
+    world.push_I = {0.0, 0.0, 0.0};
+    int up = 0;
+    while (world.packet().surgeon_mode == 0 && up < 9000) {
+      ++up;
+      world.tick();
+    }
+    EXPECT_EQ(up, expected) << clutch << " s";
+  }
 }
 
 /** Pedal down, 1 mm a tick along x. */
