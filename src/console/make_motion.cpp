@@ -50,7 +50,7 @@ void demandClumsy(const SurgeonConfig& config, const std::string& motion) {
                         expectedOneOf(name, clumsySurgeonsOf(config.exercise)));
 }
 
-/** What a surgeon does in an exercise, and how well. */
+/** Actions and skill of a simulated surgeon. */
 struct Work {
   std::vector<Verb> verbs;
   Skill skill;

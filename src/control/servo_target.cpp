@@ -180,12 +180,9 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return takeMove(command);
     case ServoKind::kServoJaw:
     case ServoKind::kMoveJaw:
-      return takeJaw(command.jaw < kMinOpening && command.jaw >= kSqueezed ? kMinOpening : command.jaw,
-                     command.kind == ServoKind::kMoveJaw);
     case ServoKind::kServoJawBy:
-      return takeJaw((servos_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/false);
     case ServoKind::kMoveJawBy:
-      return takeJaw((servos_jaw_ || moves_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/true);
+      return takeJawCommand(command);
     case ServoKind::kRatio:
       return takeRatio(command.number);
     case ServoKind::kEndTwist:
@@ -196,6 +193,18 @@ ServoVerdict ServoTarget::take(const ServoCommand& command) noexcept {
       return {};  // no force acts here
     default:
       return {ServoRefusal::kNotOffered};  // kState, kFree, forces: not an arm's own
+  }
+}
+
+ServoVerdict ServoTarget::takeJawCommand(const ServoCommand& command) noexcept {
+  switch (command.kind) {
+    case ServoKind::kServoJawBy:
+      return takeJaw((servos_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/false);
+    case ServoKind::kMoveJawBy:
+      return takeJaw((servos_jaw_ || moves_jaw_ ? goal_jaw_ : opening_) + command.jaw, /*is_move=*/true);
+    default:
+      return takeJaw(command.jaw < kMinOpening && command.jaw >= kSqueezed ? kMinOpening : command.jaw,
+                     command.kind == ServoKind::kMoveJaw);
   }
 }
 

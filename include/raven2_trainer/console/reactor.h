@@ -12,7 +12,7 @@ namespace raven2_trainer::console {
 struct Reaction {
   double force{kFeltForce};  ///< [N] felt on either hand
   double delay{0.4};         ///< [s] from the first tick with that force to the pedal
-  double rest{3.0};          ///< [s] pedal up: at least twice a clutch, so that it is none
+  double rest{3.0};          ///< [s] pedal up: at least twice a clutch, or it would count as one
   double look{0.5};          ///< [s] pedal down again, hands still, before it goes on
 };
 

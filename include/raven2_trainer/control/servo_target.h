@@ -92,6 +92,7 @@ class ServoTarget {
   ServoVerdict takeTwist(const ServoCommand& command) noexcept;
   ServoVerdict takeRates(const ServoJoints& rates) noexcept;
   ServoVerdict takeRatio(double ratio) noexcept;
+  ServoVerdict takeJawCommand(const ServoCommand& command) noexcept;
   ServoVerdict takeMove(const ServoCommand& command) noexcept;
   ServoVerdict takeJaw(double opening, bool is_move) noexcept;
   ServoVerdict fitJoints(ServoJoints* joints) const noexcept;

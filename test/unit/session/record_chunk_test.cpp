@@ -246,7 +246,7 @@ void appendFrame(FrameHeader header, const std::uint8_t* payload, Bytes* bytes) 
   bytes->insert(bytes->end(), frame.begin(), frame.end());
 }
 
-/** The log as format 1 has it: its header says so, and every record is a frame of its own. */
+/** The same log in format 1: the header has version 1, and each record has its frame. */
 Bytes inTheFirstFormat(const ChunkedLog& log) {
   const auto at = [&](std::size_t record) { return record == 0 ? 0 : log.ends[record - 1]; };
   Bytes bytes;
