@@ -1,12 +1,46 @@
 #include "raven2_trainer/console/reactor.h"
 
+#include <algorithm>
+#include <limits>
+
 #include "raven2_trainer/core/ticks.h"
+#include "raven2_trainer/haptics/perception.h"
 #include "raven2_trainer/kinematics/eigen.h"
 
 namespace raven2_trainer::console {
 namespace {
 
 constexpr double kPatience = 1.0;  ///< [s] before the surgeon lets go of a pedal that the robot does not follow
+
+/** The ghosts in the pictures. */
+class GhostWatch {
+ public:
+  void look(const Sight& sight) noexcept {
+    if (sight.sequence == sequence_) return;
+    sequence_ = sight.sequence;
+    for (const Arm arm : kArms) {
+      int& pictures = at(pictures_, arm);
+      const bool is_there = (sight.ghost >> static_cast<unsigned>(arm) & 1u) != 0;
+      if (!is_there) pictures = 0;
+      if (is_there && pictures != kAnswered) ++pictures;
+    }
+  }
+
+  bool sees() const noexcept {
+    return std::any_of(pictures_.begin(), pictures_.end(), [](int n) { return n >= kSeenPictures && n < kAnswered; });
+  }
+
+  /** What is there now is nothing new any more. */
+  void answer() noexcept {
+    for (int& pictures : pictures_)
+      pictures = pictures == 0 ? 0 : kAnswered;
+  }
+
+ private:
+  static constexpr int kAnswered = std::numeric_limits<int>::max();
+  PerArm<int> pictures_{};  ///< in a row with the ghost
+  std::uint32_t sequence_{0};
+};
 
 class ReactingSource : public MotionSource {
  public:
@@ -16,8 +50,9 @@ class ReactingSource : public MotionSource {
   Intent tick(const Senses& senses) override {
     const Tick now = now_++;
     watchRobot(senses);
-    if (phase_ == Phase::kNone && intent_.pedal && feels(senses)) enter(Phase::kFeeling, now, "felt", senses.sequence);
-    if (phase_ == Phase::kFeeling && now >= since_ + toTicks(reaction_.delay)) {
+    if (senses.sight) ghosts_.look(*senses.sight);
+    if (phase_ == Phase::kNone && intent_.pedal) notice(senses, now);
+    if (phase_ == Phase::kNoticing && now >= since_ + toTicks(reaction_.delay)) {
       enter(Phase::kUp, now, "pedal_up", intent_.pedal ? senses.sequence : released_);
     } else if (phase_ == Phase::kUp && now >= since_ + toTicks(reaction_.rest)) {
       enter(Phase::kLooking, now, "pedal_down", senses.sequence);
@@ -27,20 +62,27 @@ class ReactingSource : public MotionSource {
       phase_ = Phase::kNone;
       return goOn(senses, /*was_interrupted=*/true);
     }
-    if (phase_ == Phase::kNone || phase_ == Phase::kFeeling) return goOn(senses, false);
+    if (phase_ == Phase::kNone || phase_ == Phase::kNoticing) return goOn(senses, false);
     Intent still = intent_;
     still.pedal = phase_ == Phase::kLooking && intent_.pedal;
     return still;
   }
 
  private:
-  enum class Phase { kNone, kFeeling, kUp, kLooking };
+  enum class Phase { kNone, kNoticing, kUp, kLooking };
 
   /** A robot says by its runlevel whether it takes the pedal as down. With another pedal, the camera's, it need not. */
   void watchRobot(const Senses& senses) noexcept {
     const bool is_pressed = intent_.pedal && intent_.pedals == 0 && phase_ != Phase::kUp;
     const bool is_deaf = senses.force.runlevel == static_cast<std::uint8_t>(RunLevel::kPedalUp);
     deaf_ = is_pressed && is_deaf ? deaf_ + 1 : 0;
+  }
+
+  void notice(const Senses& senses, Tick now) {
+    const bool is_felt = feels(senses);
+    if (!is_felt && !ghosts_.sees()) return;
+    ghosts_.answer();
+    enter(Phase::kNoticing, now, is_felt ? "felt" : "seen", senses.sequence);
   }
 
   bool feels(const Senses& senses) const noexcept {
@@ -68,6 +110,7 @@ class ReactingSource : public MotionSource {
   std::unique_ptr<MotionSource> source_;
   const Reaction reaction_;
   TruthLog* truth_;
+  GhostWatch ghosts_;
   Intent intent_;
   Phase phase_{Phase::kNone};
   Tick now_{0}, since_{0};

@@ -11,7 +11,7 @@ namespace {
 constexpr PacketKind kSightKind{kSightMagic, kSightVersion, kSightSize};
 
 constexpr std::size_t kPoses = kArmCount + kMaxSceneBodies;
-static_assert(kPacketHead + 4 + 8 + 4 + 2 + 2 + 4 + (kPoses * 7 + kArmCount + 9) * sizeof(double) + kPacketTail ==
+static_assert(kPacketHead + 4 + 8 + 4 + 2 + 1 + 1 + 4 + (kPoses * 7 + kArmCount + 9) * sizeof(double) + kPacketTail ==
                   kSightSize,
               "the layout of doc/wire.md; another size needs another version");
 
@@ -77,13 +77,15 @@ bool getStatus(ByteReader& in, Sight* sight) noexcept {
   sight->linked = in.get<std::uint8_t>();
   const auto exercise = in.get<std::uint8_t>();
   sight->broken = in.get<std::uint16_t>();
-  const auto reserved = in.get<std::uint16_t>();
+  sight->ghost = in.get<std::uint8_t>();
+  const auto reserved = in.get<std::uint8_t>();
   sight->step = in.get<std::uint32_t>();
   if (mode >= kModeCount || runlevel >= kRunLevelNames.size() || exercise >= kExerciseStatusCount) return false;
   sight->mode = static_cast<Mode>(mode);
   sight->runlevel = static_cast<RunLevel>(runlevel);
   sight->exercise = static_cast<ExerciseStatus>(exercise);
-  return sight->tick >= 0 && sight->linked <= 1 && reserved == 0 && sight->broken >> kMaxSceneBodies == 0;
+  return sight->tick >= 0 && sight->linked <= 1 && reserved == 0 && sight->ghost >> kArmCount == 0 &&
+         sight->broken >> kMaxSceneBodies == 0;
 }
 
 }  // namespace
@@ -99,7 +101,8 @@ SightBytes encodeSight(const Sight& sight) noexcept {
   out.put(sight.linked);
   out.put(static_cast<std::uint8_t>(sight.exercise));
   out.put(sight.broken);
-  out.put(std::uint16_t{0});
+  out.put(sight.ghost);
+  out.put(std::uint8_t{0});
   out.put(sight.step);
   forEachArray(sight, [&out](const auto& values) { putAll(out, values); });
   out.put(packetCrc(bytes.data(), bytes.size()));

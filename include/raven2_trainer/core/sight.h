@@ -19,6 +19,7 @@ struct Sight {
   std::uint8_t linked{};
   ExerciseStatus exercise{};  ///< of the newest attempt
   std::uint16_t broken{};     ///< bit i: breakable i is off its foot
+  std::uint8_t ghost{};       ///< bit i: the tip of the robot's arm i is visibly off the model's (haptics/perception.h)
   std::uint32_t step{};       ///< ExerciseState::step
   PerArm<RigidPose> tool_W{};
   PerArm<double> opening{};  ///< [rad] of the jaws

@@ -12,8 +12,9 @@ constexpr double kFeltForce = 0.5;
 /** [m] between the tips of model and robot. Ours: the tolerance below which the force cue is silent. */
 constexpr double kSeenGap = 0.003;
 
-/** [ms] that either has to last. Ours: three pictures at 30 Hz. */
+/** [ms] that either has to last. Ours: kSeenPictures at 30 Hz. */
 constexpr Tick kNoticed = 100;
+constexpr int kSeenPictures = 3;
 
 /** [ms] from a cue to the soonest answer. Athletics calls what is sooner a false start. */
 constexpr Tick kQuickest = 100;

@@ -18,7 +18,8 @@ void MotionOptions::add(CLI::App* app) {
                   "(doc/exercises.md); in simulate also commands:FILE (of a Python session)")
       ->capture_default_str();
   app->add_option("--reaction", reaction,
-                  "Time from a force to the pedal-up [ms]; none: the simulated surgeon never reacts")
+                  "Time from a force, or a visible gap between robot and model, to the pedal-up [ms]; none: the "
+                  "simulated surgeon never reacts")
       ->capture_default_str();
   app->add_option("--truth", truth, "CSV file: what the simulated surgeon did, packet by packet");
 }

@@ -625,6 +625,64 @@ TEST_P(ReactionTo, AForceOnEitherHandLiftsThePedalEachTime) {
   }
 }
 
+/** A Walking surgeon who lets go 10 ms after a cue, for 20 ms, and looks for 5 ms; one picture every 33 ms. */
+class Watching {
+ public:
+  /** @return whether the pedal is down, of each tick. */
+  std::vector<bool> see(std::uint8_t ghost, int ticks) {
+    std::vector<bool> pedal;
+    for (int i = 0; i < ticks; ++i, ++now_) {
+      if (now_ % 33 == 0) {
+        senses_.sight = Sight{};
+        senses_.sight->sequence = static_cast<std::uint32_t>(now_ / 33 + 1);
+        senses_.sight->ghost = ghost;
+      }
+      senses_.sequence = static_cast<std::uint32_t>(now_);
+      pedal.push_back(source_->tick(senses_).pedal);
+    }
+    return pedal;
+  }
+  int lifts(std::uint8_t ghost, int ticks) {
+    int lifts = 0;
+    for (const bool is_down : see(ghost, ticks)) {
+      lifts += was_down_ && !is_down ? 1 : 0;
+      was_down_ = is_down;
+    }
+    return lifts;
+  }
+  const std::vector<TruthEvent>& events() const { return truth_.events(); }
+
+ private:
+  static Reaction quick() {
+    Reaction reaction;
+    reaction.delay = 0.010;
+    reaction.rest = 0.020;
+    reaction.look = 0.005;
+    return reaction;
+  }
+  TruthLog truth_;
+  Senses senses_;
+  int now_{0};
+  bool was_down_{false};
+  std::unique_ptr<MotionSource> source_{makeReacting(std::make_unique<Walking>(), quick(), &truth_)};
+};
+
+TEST_P(ReactionTo, AGhostInThreePicturesLiftsThePedalOnce) {
+  const std::uint8_t ghost = GetParam() == Arm::kGold ? 1 : 2;
+  Watching surgeon;
+  EXPECT_EQ(surgeon.lifts(0, 330), 0);
+  EXPECT_EQ(surgeon.lifts(ghost, 66), 0) << "two pictures";
+  EXPECT_EQ(surgeon.lifts(0, 330), 0);
+  EXPECT_EQ(surgeon.lifts(ghost, 1000), 1);
+  ASSERT_EQ(surgeon.events().size(), 3U);
+  EXPECT_EQ(surgeon.events()[0].what, "seen");
+  EXPECT_EQ(surgeon.events()[0].sequence, 330U + 66U + 330U + 66U);
+  EXPECT_EQ(surgeon.events()[1].sequence, surgeon.events()[0].sequence + 10U);
+  EXPECT_EQ(surgeon.lifts(3, 1000), 1) << "of the other arm, a new one";
+  EXPECT_EQ(surgeon.lifts(0, 33), 0);
+  EXPECT_EQ(surgeon.lifts(ghost, 1000), 1) << "it had gone meanwhile";
+}
+
 /** While the camera's pedal is down, the robot receives pedal-up. */
 TEST(Reaction, ARobotThatWaitsForTheCameraIsNotDeaf) {
   auto walking = std::make_unique<Walking>();

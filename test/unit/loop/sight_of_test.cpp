@@ -53,5 +53,30 @@ TEST(SightOf, TellsWhichPartsAreBrokenOff) {
   EXPECT_EQ(sight.runlevel, RunLevel::kPedalDown);
 }
 
+/** doc/scores.md: 3 mm, of a robot that is there, and none that the model opens on purpose. */
+TEST(SightOf, ShowsAGhostWhereTheRobotsTipIsOffTheModels) {
+  for (const Arm arm : kArms) {
+    const auto ghosts = [arm](double gap, std::uint64_t frame, std::uint8_t connected, Mode mode, std::uint8_t linked) {
+      ModelState state;
+      state.mode = mode;
+      state.linked = linked;
+      RobotState robot;
+      robot.frame = frame;
+      robot.connected = connected;
+      at(state.arms, arm).p_BT = {0.1, 0.2, 0.3};
+      at(robot.arms, arm).p_BT = {0.1, 0.2 - gap, 0.3};
+      at(state.arms, otherArm(arm)).p_BT = at(robot.arms, otherArm(arm)).p_BT = {0.4, 0.5, 0.6};
+      return static_cast<int>(sightOf(state, robot, ArmsConfig{}, 2, 1).ghost);
+    };
+    const int mine = arm == Arm::kGold ? 1 : 2;
+    EXPECT_EQ(ghosts(0.00301, 1, 1, Mode::kTeleoperating, 1), mine);
+    EXPECT_EQ(ghosts(-0.00301, 1, 1, Mode::kStopped, 0), mine);
+    EXPECT_EQ(ghosts(0.00299, 1, 1, Mode::kTeleoperating, 1), 0);
+    EXPECT_EQ(ghosts(0.00301, 0, 1, Mode::kTeleoperating, 1), 0) << "there was no robot yet";
+    EXPECT_EQ(ghosts(0.00301, 1, 0, Mode::kTeleoperating, 1), 0) << "it is gone";
+    EXPECT_EQ(ghosts(0.00301, 1, 1, Mode::kTrial, 0), 0) << "the model moves alone";
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

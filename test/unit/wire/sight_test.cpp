@@ -18,14 +18,14 @@ using Bytes = std::vector<std::uint8_t>;
 // x = pose(1, [0, .6, 0, .8]) + pose(2, [0, 0, 0, 1]) + [.25, -.5]
 // for i in range(12): x += pose(3 + i, [.5, -.5, .5, -.5] if i % 2 else [0, 0, 0, 1])
 // x += [.125, 0, .25, 0, 0, .03125, 0, 0, 1]
-// h = struct.pack('<4sHHIqBBBBHHI109d', b'RV2E', 1, 908, 7, 0x0102030405, 12, 3, 1, 4, 0x0801, 0, 42, *x)
+// h = struct.pack('<4sHHIqBBBBHBBI109d', b'RV2E', 1, 908, 7, 0x0102030405, 12, 3, 1, 4, 0x0801, 2, 0, 42, *x)
 // h + struct.pack('<I', zlib.crc32(h)): its beginning and its end, whose CRC stands for all between
 const char* const kBegin =
-    "5256324501008c030700000005040302010000000c030104010800002a000000000000000000c03f000000000000d0bf000000000000e03f"
+    "5256324501008c030700000005040302010000000c030104010802002a000000000000000000c03f000000000000d0bf000000000000e03f"
     "00000000";
 const char* const kEnd =
     "0000e0bf000000000000c03f0000000000000000000000000000d03f00000000000000000000000000000000000000000000a03f"
-    "00000000000000000000000000000000000000000000f03f6f6e58e3";
+    "00000000000000000000000000000000000000000000f03f04babe3e";
 
 Sight vectorSight() {
   Sight sight;
@@ -36,6 +36,7 @@ Sight vectorSight() {
   sight.linked = 1;
   sight.exercise = ExerciseStatus::kFailed;
   sight.broken = 0x0801;
+  sight.ghost = 2;
   sight.step = 42;
   const auto place = [](double i) { return Vec3{0.125 * i, -0.25 * i, 0.5 * i}; };
   sight.tool_W[0] = {place(1), {0.0, 0.6, 0.0, 0.8}};
@@ -93,6 +94,7 @@ TEST(Sight, IsReadAsItWasWritten) {
   EXPECT_EQ(sight.linked, 1);
   EXPECT_EQ(sight.exercise, ExerciseStatus::kFailed);
   EXPECT_EQ(sight.broken, 0x0801);
+  EXPECT_EQ(sight.ghost, 2);
   EXPECT_EQ(sight.step, 42U);
   EXPECT_EQ(sight.tool_W[0].q, (Quat{0.0, 0.6, 0.0, 0.8}));
   EXPECT_EQ(sight.opening, (PerArm<double>{0.25, -0.5}));
@@ -133,13 +135,16 @@ TEST(Sight, OfAnotherVersionMagicOrLengthIsRefused) {
 }
 
 TEST(Sight, WithAValueThatCannotBeIsRefused) {
-  for (const std::size_t offset : {20, 21, 22, 23, 26}) {  // mode, run level, linked, exercise, reserved
+  for (const std::size_t offset : {20, 21, 22, 23, 26, 27}) {  // mode, run level, linked, exercise, ghost, reserved
     Bytes bytes = encoded(vectorSight());
     bytes[offset] = 200;
     EXPECT_EQ(decode(sealed(bytes)), Reject::kOutOfRange) << offset;
   }
   EXPECT_EQ(afterChange([](Sight& s) { s.tick = -1; }), Reject::kOutOfRange);
   EXPECT_EQ(afterChange([](Sight& s) { s.broken = 1U << kMaxSceneBodies; }), Reject::kOutOfRange);
+  for (const std::uint8_t ghost : {1, 2, 3})
+    EXPECT_EQ(afterChange([ghost](Sight& s) { s.ghost = ghost; }), Reject::kNone);
+  EXPECT_EQ(afterChange([](Sight& s) { s.ghost = 4; }), Reject::kOutOfRange);
   EXPECT_EQ(afterChange([](Sight& s) { s.opening[1] = 7.0; }), Reject::kOutOfRange);
   EXPECT_EQ(afterChange([](Sight& s) { s.tool_W[0].p[2] = -2e6; }), Reject::kOutOfRange);
   EXPECT_EQ(afterChange([](Sight& s) { s.bodies_W[11].p[0] = 2e6; }), Reject::kOutOfRange);
