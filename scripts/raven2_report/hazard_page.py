@@ -9,6 +9,7 @@ from raven2_report.text import esc, is_number, number, table, words
 MOST = 6  # drawn; the table has all
 BEFORE, BEHIND = 0.6, 3.2  # [s] shown before the injection and behind it
 WIDTH, LEFT, RIGHT = 1000, 70, 20
+LEAST_RELEASE = 2000  # [ms] that is an answer (training/hazard_response.h)
 HEIGHT, GAP, ROW = 104, 30, 17.0  # of a panel, between panels, of a row of names above them
 
 
@@ -93,11 +94,23 @@ def _answer(facts, hazard):
     touched = {name: t for name, t in (judged.get("touches") or {}).items() if isinstance(t, dict) and t.get("count")}
     listed_ = ", ".join(f"{words(name)} ({t['count']})" for name, t in touched.items())
     met = f" The model touched: {listed_}." if touched else ""
+    short = _short_release(judged)
     early = judged.get("coincidences") or []
     chance = " A response before 100 ms after the cue is no reaction and is left out." if early else ""
     took = judged.get("answer_time_ms")
     free = f" The attempt is not charged with these {took / 1000:.1f} s." if is_number(took) and took else ""
-    return esc(f"{felt}{answer}{free}{met}{chance}")
+    return esc(f"{felt}{answer}{short}{free}{met}{chance}")
+
+
+def _short_release(judged):
+    """Of a surgeon who let go, but for no longer than in a clutch."""
+    release, needed = judged.get("release_ms"), judged.get("release_needed_ms")
+    if judged.get("verdict") not in ("none", "wrong", "late") or not is_number(release) or not is_number(needed):
+        return ""
+    if not 0 < release < needed:
+        return ""
+    rule = "twice this surgeon's usual clutch" if needed > LEAST_RELEASE else "less looks like a clutch"
+    return f" The pedal was up for {release / 1000:.1f} s. A release is an answer from {needed / 1000:.1f} s on: {rule}."
 
 
 # ---- picture ----------------------------------------------------------------------------------------------------

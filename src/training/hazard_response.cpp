@@ -13,7 +13,6 @@
 namespace raven2_trainer::training {
 
 namespace {
-
 // Ours, all of the hand, not of the tip (doc/scores.md).
 constexpr std::size_t kHalfBox = 5;       // [1 ms] of the centred mean over ten
 constexpr std::size_t kBefore = 200;      // [1 ms] of the speed before the injection
@@ -110,6 +109,16 @@ void findDisengagements(const HazardWindow& window, Tick cue, Responses* found) 
     if (from >= window.injection && from < noticed) add(from);  // a coincidence
     if (to > noticed && lasts) add(std::max(from, noticed));
   }
+}
+
+/** [1 ms] The longest that could be an answer, but for its length. */
+Tick longestRelease(const HazardWindow& window, Tick cue, Tick latest) {
+  std::size_t longest = 0;
+  for (const auto& [from, to] : findReleases(window)) {
+    const bool is_in_time = to > noticedAt(window, cue) && from <= window.injection + static_cast<std::size_t>(latest);
+    if (is_in_time) longest = std::max(longest, to - from);
+  }
+  return static_cast<Tick>(longest);
 }
 
 void findStops(const HazardWindow& window, Responses* found) {
@@ -431,6 +440,8 @@ HazardResponse judgeResponse(const HazardWindow& whole, const ResponseRule& rule
   if (cue.sense == Sense::kNone) return result;
   judgeAnswer(window, rule, explained, &result);
   if (!isFinal(window, rule, explained, result)) result.verdict = Verdict::kNotJudged;
+  result.release = longestRelease(window, cue.after, latestAnswer(rule, cue.after));
+  result.release_needed = disengagedFor(window.usual_clutch);
   if (result.verdict == Verdict::kRight) result.answer_time = endOfAnswer(window, result.deciding) - result.cue_after;
   result.reaction = result.deciding.after >= 0 ? result.deciding : result.first;
   return result;

@@ -86,6 +86,8 @@ Json describe(const HazardScore& hazard) {
           {"deciding", describe(r.deciding)},
           {"verdict", kVerdictNames[static_cast<std::size_t>(r.verdict)]},
           {"answer_time_ms", r.answer_time},
+          {"release_ms", r.release},
+          {"release_needed_ms", r.release_needed},
           {"coincidences", coincidences},
           {"recovered", r.recovered},
           {"duration_ms", r.duration},

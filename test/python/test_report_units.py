@@ -223,6 +223,16 @@ def test_it_says_what_an_attempt_is_not_charged_with(took, said):
     assert (said in html.unescape(text)) if said else ("charged" not in text)
 
 
+@pytest.mark.parametrize("verdict_, release, needed, said", [
+    ("none", 1400, 2000, "up for 1.4 s. A release is an answer from 2.0 s on: less looks like a clutch."),
+    ("wrong", 3000, 4100, "up for 3.0 s. A release is an answer from 4.1 s on: twice this surgeon's usual clutch."),
+    ("none", 0, 2000, None), ("wrong", 2000, 2000, None), ("right", 400, 2000, None), ("not_judged", 400, 2000, None),
+    ("none", None, None, None)])
+def test_who_let_go_too_briefly_is_told_how_long_it_takes(verdict_, release, needed, said):
+    text = html.unescape(answer_of(verdict=verdict_, release_ms=release, release_needed_ms=needed))
+    assert (said in text) if said else ("pedal was up" not in text)
+
+
 @pytest.mark.parametrize("verdict_, colour", [("right", "GOOD"), ("late", "BAD"), ("wrong", "BAD"), ("none", "BAD")])
 def test_only_a_right_answer_is_drawn_as_one(verdict_, colour):
     facts, hazard = hazard_facts()

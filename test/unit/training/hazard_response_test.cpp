@@ -231,7 +231,28 @@ TEST(HazardResponse, AClutchIsNoAnswer) {
     const HazardResponse result = judge(window);
     EXPECT_EQ(result.verdict, c.answers ? Verdict::kRight : Verdict::kNone) << c.usual << " " << c.up;
     EXPECT_EQ(result.reaction.after, c.answers ? 437 : -1);
+    EXPECT_EQ(result.release, c.up);
+    EXPECT_EQ(result.release_needed, c.usual == 1500 ? 3000 : 2000);
   }
+}
+
+TEST(HazardResponse, TheLongestReleaseInTheTimeOfAnAnswerIsTold) {
+  const auto release = [](std::initializer_list<std::pair<Tick, Tick>> lifts) {
+    HazardWindow window = makeWindow(goingOn);
+    for (const auto& [begin, end] : lifts)
+      liftPedal(&window, begin, end);
+    return judge(window).release;
+  };
+  EXPECT_EQ(release({}), 0);
+  EXPECT_EQ(release({{-300, kQuickest}}), 0) << "over before anybody could answer";
+  EXPECT_EQ(release({{-300, kQuickest + 1}}), 401) << "a clutch that went on";
+  EXPECT_EQ(release({{500, 900}, {1000, 1700}, {1800, 2300}}), 700);
+  EXPECT_EQ(release({{4000, 4700}}), 700) << "at twice the time of the rule";
+  EXPECT_EQ(release({{4001, 4700}}), 0);
+  HazardWindow window = makeQuietWindow(goingOn);
+  liftPedal(&window, 500, 900);
+  EXPECT_EQ(judge(window).release, 0) << "there was nothing to answer";
+  EXPECT_EQ(judge(window).release_needed, 0);
 }
 
 TEST(HazardResponse, ItTakesLongerToDisengageThanTwoClutches) {

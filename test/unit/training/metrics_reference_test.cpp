@@ -628,6 +628,8 @@ HazardScore makeHazard() {
   r.peak_force = 2.9;
   r.impulse = 3.1;
   r.answer_time = 2345;
+  r.release = 2456;
+  r.release_needed = 2567;
   r.touches[static_cast<std::size_t>(Partner::kDome)] = {3, 33};
   return hazard;
 }
@@ -638,7 +640,8 @@ void expectHazard(std::map<std::string, double>* numbers, const std::string& pla
       {"reaction.after_ms", 323},     {"deciding.after_ms", 424},    {"coincidences.0.after_ms", 25},
       {"duration_ms", 926},           {"excursion_mm", 27},          {"error_mm", 28},
       {"peak_force_N", 2.9},          {"impulse_Ns", 3.1},           {"touches.dome.count", 3},
-      {"touches.dome.time_s", 0.033}, {"touches.tower.time_s", 0.0}, {"answer_time_ms", 2345}};
+      {"touches.dome.time_s", 0.033}, {"touches.tower.time_s", 0.0}, {"answer_time_ms", 2345},
+      {"release_ms", 2456},           {"release_needed_ms", 2567}};
   for (const auto& [name, value] : expected)
     EXPECT_NEAR((*numbers)[place + name], value, 1e-9) << place << name;
 }
