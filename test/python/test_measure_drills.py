@@ -20,10 +20,10 @@ measure_drills = importlib.util.module_from_spec(importlib.util.spec_from_loader
 loader.exec_module(measure_drills)
 
 
-def rows(reaction, verdicts, cue="force", answer=412, let_go=412):
+def rows(reaction, verdicts, cue="force", noticed=12, answer=412, let_go=412):
     """A row of the table for each verdict."""
     return [{"scenario": "sudden_jump", "reaction": reaction, "verdict": verdict, "cue": cue, "cue_after_ms": "12",
-             "felt_after_ms": "12", "answer_after_ms": str(answer), "let_go_after_ms": str(let_go)} for verdict in verdicts]
+             "noticed": cue, "noticed_after_ms": str(noticed), "answer_after_ms": str(answer), "let_go_after_ms": str(let_go)} for verdict in verdicts]
 
 
 def printed(capsys, table):
@@ -38,7 +38,8 @@ def printed(capsys, table):
     (["none"] * 48 + ["late"] * 2, False, "2 of 50, 4.0 %  NOT KEPT")])
 def test_a_late_answer_of_a_surgeon_who_ignores_the_hazard_counts_too(capsys, verdicts, kept, said):
     assert printed(capsys, rows("none", verdicts)) == (kept, [
-        f"reaction none: answered in time or late in {said}", "no cue or answer was compared"])
+        f"reaction none: answered in time or late in {said}", "cue: force: nothing to compare", "cue: ghost: nothing to compare",
+        "answer: nothing to compare"])
 
 
 def test_a_late_answer_of_a_surgeon_who_lets_go_is_not_right(capsys):
@@ -46,19 +47,19 @@ def test_a_late_answer_of_a_surgeon_who_lets_go_is_not_right(capsys):
     assert not kept and lines[0] == "reaction 400: answered rightly in 9 of 10, 90.0 %  NOT KEPT"
 
 
-@pytest.mark.parametrize("cues, said", [(0, None),
-                                        (1, "not compared: 1 ghost cue; the simulated surgeon reacts to forces only"),
-                                        (2, "not compared: 2 ghost cues; the simulated surgeon reacts to forces only")])
-def test_ghost_cues_that_are_not_compared_are_counted(capsys, cues, said):
-    table = (rows("250", ["right"] * 2, let_go=410) + rows("250", ["right"] * cues, "ghost", let_go=2000)
-             + rows("none", ["wrong"], "ghost"))
+@pytest.mark.parametrize("cue, noticed, let_go, kept, said", [
+    ("force", 17, 412, True, "cue: force: right within 5 ms in 1"), ("force", 18, 412, False, "cue: force: right within 6 ms in 1  NOT KEPT"),
+    ("ghost", 46, 412, True, "cue: ghost: right within 34 ms in 1"), ("ghost", 47, 412, False, "cue: ghost: right within 35 ms in 1  NOT KEPT"),
+    ("force", 12, 407, True, "answer: right within 5 ms in 1"), ("ghost", 12, 418, False, "answer: right within 6 ms in 1  NOT KEPT")])
+def test_times_that_differ_from_the_truth_are_not_kept(capsys, cue, noticed, let_go, kept, said):
+    result, lines = printed(capsys, rows("250", ["right"], cue, noticed, let_go=let_go) + rows("none", ["wrong"], cue, 900, 9, 99))
+    assert result == kept and said in lines
+
+
+def test_a_cue_that_the_surgeon_noticed_by_the_other_sense_is_not_compared(capsys):
+    table = [{**row, "noticed": "force"} for row in rows("250", ["right"], "ghost", 900)]
     kept, lines = printed(capsys, table)
-    assert kept and lines[2:] == ["cue and answer are right within 2 ms"] + ([said] if said else [])
-
-
-def test_an_answer_that_differs_from_the_truth_is_not_kept(capsys):
-    kept, lines = printed(capsys, rows("250", ["right"], let_go=406))
-    assert not kept and lines[-1] == "cue and answer are right within 6 ms  NOT KEPT"
+    assert kept and lines[1:] == ["cue: force: nothing to compare", "cue: ghost: nothing to compare", "answer: right within 0 ms in 1"]
 
 
 @pytest.fixture(name="config")
@@ -134,10 +135,12 @@ def test_a_row_is_of_the_hazard_that_could_be_noticed_and_counts_from_its_inject
     commands["tick"] = model["tick"] = 50 + np.arange(3000)  # homing took 50 ms
     commands["command"]["sequence"], model["session_tick"] = 7 + np.arange(3000), np.arange(3000)
     session = SimpleNamespace(directory=tmp_path, log=SimpleNamespace(commands=commands, ticks={"model": model}))
-    assert measure_drills.of_hazard(session, {"felt": 1019, "pedal_up": 1417}) == {
-        "scenario": "b", "verdict": "right", "cue": "force", "cue_after_ms": 12, "answer": "pedal_up",
-        "answer_after_ms": 410, "felt_after_ms": 12, "let_go_after_ms": 410, "injection_ms": 1000}
-    assert measure_drills.of_hazard(session, {"felt": 900})["felt_after_ms"] is None, "before the injection"
+    truth = [("seen", 900), ("pedal_up", 950), ("felt", 1019), ("seen", 1030), ("pedal_up", 1417), ("pedal_up", 2000)]
+    assert measure_drills.of_hazard(session, truth) == {
+        "scenario": "b", "verdict": "right", "cue": "force", "cue_after_ms": 12, "answer": "pedal_up", "answer_after_ms": 410,
+        "noticed": "force", "noticed_after_ms": 12, "let_go_after_ms": 410, "injection_ms": 1000}
+    early = measure_drills.of_hazard(session, truth[:2])
+    assert early["noticed"] is early["noticed_after_ms"] is early["let_go_after_ms"] is None, "before the injection"
 
 
 def test_a_hazard_that_did_not_come_is_no_row_of_the_scenarios(capsys):
