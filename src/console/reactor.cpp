@@ -30,7 +30,7 @@ class GhostWatch {
     return std::any_of(pictures_.begin(), pictures_.end(), [](int n) { return n >= kSeenPictures && n < kAnswered; });
   }
 
-  /** What is there now is nothing new any more. */
+  /** Ghosts that are there now are old ones from here on. */
   void answer() noexcept {
     for (int& pictures : pictures_)
       pictures = pictures == 0 ? 0 : kAnswered;

@@ -228,7 +228,7 @@ def test_it_says_what_an_attempt_is_not_charged_with(took, said):
     ("wrong", 3000, 4100, "up for 3.0 s. A release is an answer from 4.1 s on: twice this surgeon's usual clutch."),
     ("none", 0, 2000, None), ("wrong", 2000, 2000, None), ("right", 400, 2000, None), ("not_judged", 400, 2000, None),
     ("none", None, None, None)])
-def test_who_let_go_too_briefly_is_told_how_long_it_takes(verdict_, release, needed, said):
+def test_a_release_that_was_too_short_is_named_with_the_time_that_it_takes(verdict_, release, needed, said):
     text = html.unescape(answer_of(verdict=verdict_, release_ms=release, release_needed_ms=needed))
     assert (said in text) if said else ("pedal was up" not in text)
 

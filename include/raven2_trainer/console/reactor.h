@@ -18,7 +18,7 @@ struct Reaction {
 
 /**
  * A surgeon who reacts: as `source`, but `delay` after the first force, or after a ghost in kSeenPictures
- * pictures, the pedal goes up, whatever was being done; after a rest it goes down and the motion goes on where it was.
+ * pictures, the pedal goes up, whatever was being done. After a rest it goes down and the motion goes on where it was.
  * A ghost that stays is answered once. While the robot takes a pedal that is down as up nothing is done: the pedal is
  * pressed again until it follows.
  * @param[in] truth Gets the times of the cue (felt, seen), of the pedal's release and of its next press. A clutch that

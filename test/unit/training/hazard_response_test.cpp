@@ -236,7 +236,7 @@ TEST(HazardResponse, AClutchIsNoAnswer) {
   }
 }
 
-TEST(HazardResponse, TheLongestReleaseInTheTimeOfAnAnswerIsTold) {
+TEST(HazardResponse, TheLongestReleaseInTheTimeForAnAnswerIsGiven) {
   const auto release = [](std::initializer_list<std::pair<Tick, Tick>> lifts) {
     HazardWindow window = makeWindow(goingOn);
     for (const auto& [begin, end] : lifts)
