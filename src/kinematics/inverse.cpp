@@ -11,7 +11,7 @@ constexpr double kMaxError = kPi;  // squared error above which the robot refuse
 constexpr double kNearJawAxis = 1e-5;
 constexpr double kSameRoll = 1e-6;  // [rad]
 
-/** Remote centre projected on the plane of the jaws, in T: the wrist point lies on this line (raven2.md 2.5, 1). */
+/** Remote centre projected on the plane of the jaws, in T: the wrist point lies on this line (raven2.md 2.5). */
 Vector2d remoteCentre(const Pose& X_BT) noexcept {
   return {-X_BT.R.col(0).dot(X_BT.p), -X_BT.R.col(1).dot(X_BT.p)};
 }

@@ -20,7 +20,7 @@ inline bool isFinite(const JointArray& q) noexcept {
   return std::all_of(q.begin(), q.end(), [](double value) { return std::isfinite(value); });
 }
 
-/** Steps 2 to 5 of raven2.md 2.5, for wrist points on a given line. */
+/** Steps 2 to 5 of the inverse in doc/model.md, for wrist points on a given line. */
 class PoseSolver {
  public:
   PoseSolver(const ArmGeometry& geometry, Arm arm, const Pose& X_BT, double opening) noexcept

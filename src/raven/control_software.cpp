@@ -211,7 +211,7 @@ RunLevel ControlSoftware::Impl::faultedLevel(FaultVariable variable, RunLevel le
 
 void ControlSoftware::Impl::readLevel() noexcept {
   const RunLevel wanted = StateMachine::levelOf(mechanisms[0].in.pins, mechanisms[1].in.pins);
-  // PLCState is shown and no more (raven2.md 4.2, step 5).
+  // PLCState is shown and no more (raven2.md 4.3).
   faults.applyInt(FaultVariable::kPlcState, Arm::kGold, 0, static_cast<std::int32_t>(wanted));
   machine.follow(faultedLevel(FaultVariable::kRunLevelDesired, wanted));
 }
@@ -347,7 +347,7 @@ bool ControlSoftware::Impl::solveInverse(Mechanism* mech) noexcept {
 
 void ControlSoftware::Impl::runCartesian() noexcept {
   if (machine.runLevel() < RunLevel::kPedalUp) return;
-  // A refused gold target ends the robot's loop over the arms, so green freezes with it (raven2.md 4.5b).
+  // A refused gold target ends the robot's loop over the arms, so green freezes with it (raven2.md 4.5).
   for (Mechanism& mech : mechanisms) {
     if (!solveInverse(&mech) && mech.arm == Arm::kGold) break;
   }

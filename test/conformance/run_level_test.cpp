@@ -361,7 +361,7 @@ TEST(RemoteCentre, GoingOutFreezesNear457MillimetresAndResumesOnTheWayBack) {
   EXPECT_NEAR(robot.jposD(Arm::kGold, kInsertion), lead.q()[kInsertion], 1e-4);
 }
 
-// ---- 4.5b, the invalid quaternion
+// ---- 4.5, the invalid quaternion
 // -----------------------------------------------------------------------------------
 
 class BadQuaternion : public ::testing::TestWithParam<double> {};

@@ -343,7 +343,7 @@ class Links(unittest.TestCase):
         self.master.send(1)
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN))
         before = len(self.robot.states)
-        self.master.send(1, (12000, 0, 0))  # E-stop from the home pose (raven2.md 3.6)
+        self.master.send(1, (12000, 0, 0))  # E-stop from the home pose (raven2.md 3.5)
         self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == E_STOP))
         course = self.robot.states[before:]
         first = next(s.cycle for s in course if s.soft_estopped)

@@ -123,7 +123,7 @@ TEST(FaultLibrary, AHijackedRobotFollowsTheForgedPackets) {
 }
 
 TEST(FaultLibrary, AStopIsOneCraftedPacket) {
-  // 15 mm along x: over the 12 mm that stop the robot's software (raven2.md 4.5b)
+  // 15 mm along x: over the 12 mm that stop the robot's software (raven2.md 4.5)
   EXPECT_NEAR(received("e_stop_flood", 8000).moved_um, 15000.0, 1e-3);
 }
 

@@ -115,7 +115,7 @@ TEST(MasterTarget, ExtremeIncrementsStayDefined) {
 }
 
 TEST(MasterTarget, AQuaternionThatIsNoRotationPoisonsItsOwnArm) {
-  // x86: 0 times NaN is NaN, and NaN as an int is -2^31 (raven2.md 4.5b).
+  // x86: 0 times NaN is NaN, and NaN as an int is -2^31 (raven2.md 4.5).
   for (const double w : {0.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     MasterTarget target;
     target.p_um = {5, 0, -7};
