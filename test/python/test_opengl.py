@@ -1,7 +1,6 @@
 """OSMesa, and EGL without a screen, draw the same pictures. Separate processes draw a session with each of them."""
 import os
 import pathlib
-import statistics
 import subprocess
 import zlib
 
@@ -97,15 +96,15 @@ def test_both_draw_the_same_pictures(drawn):
 
 
 def test_both_draw_as_fast(drawn, session, tmp_path):
-    """Compares up to four attempts, each with one that follows at once: a shared machine's speed changes."""
-    ratios = [drawn[1]["egl"] / drawn[1]["osmesa"]]
-    for attempt in range(3):
-        if statistics.median(ratios) < 1.1:
+    """By the least processor time of up to six attempts each: other work on the machine can only add to it."""
+    least = dict(drawn[1])
+    for attempt in range(5):
+        if least["egl"] < 1.1 * least["osmesa"]:
             break
-        seconds = {name: draw(session, tmp_path / f"{name}_{attempt}", name)[0] for name in LIBRARIES}
-        ratios.append(seconds["egl"] / seconds["osmesa"])
-    print("EGL takes", *(f"{ratio:.2f}" for ratio in ratios), "times as long as OSMesa")
-    assert statistics.median(ratios) < 1.1  # measured 1.00 to 1.11, while two processes were busy
+        for name in LIBRARIES:
+            least[name] = min(least[name], draw(session, tmp_path / f"{name}_{attempt}", name)[0])
+    print(f"EGL takes {least['egl'] / least['osmesa']:.2f} times as long as OSMesa")
+    assert least["egl"] < 1.1 * least["osmesa"]  # measured 1.00 to 1.11, while two processes were busy
 
 
 @pytest.mark.parametrize("value", ["glx", "OSMESA"])

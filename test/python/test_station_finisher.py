@@ -83,16 +83,19 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
     asyncio.run(run())
 
 
-# As ProgressBar (src/apps/common/command_line.cpp): a bar on a terminal, a line every 25 % elsewhere.
+# As ProgressBar (src/apps/common/command_line.cpp): a bar on a terminal, a line every 25 % elsewhere. It waits until each
+# percentage on the terminal was reported.
 RENDERER = """#!/usr/bin/python3
-import sys, time
+import pathlib, sys, time
+seen = pathlib.Path(__file__).with_name("seen")
 for percent in range(0, 100, 10):
     if sys.stderr.isatty():
         sys.stderr.write(f"\\rrender [##..] {percent:3d} % 1 min 20 s left\\033[K")
     elif percent % 50 == 0:
         sys.stderr.write(f"render {percent} %\\n")
     sys.stderr.flush()
-    time.sleep(0.03)
+    while sys.stderr.isatty() and f" {percent / 100} " not in seen.read_text():
+        time.sleep(0.01)
 sys.stderr.write("\\rrender: over\\033[K\\n")
 if STATUS:
     sys.exit("\\033[1mno ffmpeg\\033[0m")
@@ -104,10 +107,18 @@ def test_a_video_shows_its_progress_and_is_in_the_report_afterwards(tmp_path, st
     async def run():
         work, texts = Finishing(tmp_path), []
         (tmp_path / "render_session").write_text(RENDERER.replace("STATUS", str(status)))
-        work.finisher = finisher.Finisher(tmp_path, tmp_path, lambda *change: (work.said.append(change[1:3]), texts.append(change[3])))
+        (tmp_path / "seen").write_text("")
+
+        def changed(_name, what, share, text):
+            work.said.append((what, share))
+            texts.append(text)
+            if what == "video":
+                (tmp_path / "seen").write_text((tmp_path / "seen").read_text() + f" {share} ")
+
+        work.finisher = finisher.Finisher(tmp_path, tmp_path, changed)
         await work.finisher.video(work.session)
         shares = [share for what, share in work.said if what == "video"]
-        assert len({share for share in shares if share and share < 1.0}) >= 6, shares
+        assert list(dict.fromkeys(shares[:-1])) == [percent / 100 for percent in range(0, 100, 10)], shares
         assert shares[-1] == (None if status else 1.0)
         assert not status or "no ffmpeg" in texts
         assert work.finisher.is_busy("session") == (not status)
