@@ -1,7 +1,6 @@
 #include "raven2_trainer/campaign/run_campaign.h"
 
 #include <algorithm>
-#include <cmath>
 #include <csignal>
 #include <cstring>
 #include <string>
@@ -11,6 +10,7 @@
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/core/vec3.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
@@ -65,9 +65,7 @@ class Group {
   }
 
   /** [ticks] within which the pedal must be down. */
-  std::int64_t start() const {
-    return static_cast<std::int64_t>(std::llround(config_.runtime.start_timeout / kTickSeconds));
-  }
+  std::int64_t start() const { return toTicks(config_.runtime.start_timeout); }
 
   /** In the first child. */
   void record() {

@@ -48,10 +48,6 @@ Curriculum loadCurriculum(const std::string& path) {
   return curriculum;
 }
 
-std::vector<std::string> curriculumNames(const std::string& folder) {
-  return namesIn(folder);
-}
-
 Curriculum findCurriculum(const std::string& folder, const std::string& name) {
   return loadCurriculum(namedFile(folder, name, "curriculum", {}));
 }

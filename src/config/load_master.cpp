@@ -198,10 +198,6 @@ MasterConfig loadMaster(const std::string& path) {
   return c;
 }
 
-std::vector<std::string> masterNames(const std::string& folder) {
-  return namesIn(folder);
-}
-
 MasterConfig findMaster(const std::string& folder, const std::string& name) {
   if (fs::path(name).extension() == ".yaml") return loadMaster(name);
   return loadMaster(namedFile(folder, name, "master", {"FILE.yaml"}));

@@ -51,10 +51,6 @@ PlanProblem loadProblem(const std::string& path, const ArmGeometry& geometry) {
   return problem;
 }
 
-std::vector<std::string> problemNames(const std::string& folder) {
-  return namesIn(folder);
-}
-
 PlanProblem findProblem(const std::string& folder, const std::string& name, const ArmGeometry& geometry) {
   if (fs::path(name).extension() == ".yaml") return loadProblem(name, geometry);
   return loadProblem(namedFile(folder, name, "problem", {"FILE.yaml"}), geometry);

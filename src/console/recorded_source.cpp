@@ -1,10 +1,10 @@
 #include <algorithm>
-#include <cmath>
 
 #include "motion.h"
 #include "raven2_trainer/console/console.h"
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::console {
@@ -15,7 +15,7 @@ class RecordedSource : public MotionSource {
  public:
   RecordedSource(const ConsoleConfig& config, const ArmsConfig& arms, Recording recording)
       : scale_(config.recording_scale),
-        lead_in_(std::max<Tick>(1, std::lround(config.recording_lead_in / kTickSeconds))),
+        lead_in_(std::max<Tick>(1, toTicks(config.recording_lead_in))),
         jaws_(kinematics::jawOpening(arms.geometry.home)),
         recording_(std::move(recording)) {
     for (const Arm arm : kArms)

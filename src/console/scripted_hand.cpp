@@ -1,7 +1,6 @@
 #include "scripted_hand.h"
 
-#include <cmath>
-
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::console {
@@ -57,7 +56,7 @@ Tick ScriptedHand::planStroke() {
   if (hand_length > kMaxStroke) step *= kMaxStroke / hand_length;  // only into a far box
   const double speed = config_.stroke_speed * random_.uniform(1.0 - kSpeedSpread, 1.0 + kSpeedSpread);
   const double seconds = step.norm() / config_.scale / speed;
-  planned_ = {from, from + step, 0, 1 + static_cast<Tick>(std::lround(seconds / kTickSeconds))};
+  planned_ = {from, from + step, 0, 1 + toTicks(seconds)};
   return planned_.length;
 }
 

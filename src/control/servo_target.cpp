@@ -6,6 +6,7 @@
 #include "control/servo_math.h"
 #include "raven2_trainer/control/path_follower.h"
 #include "raven2_trainer/control/teleop_mapper.h"
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::control {
 namespace {
@@ -114,10 +115,7 @@ JointArray withServoJoints(const JointArray& q, const ServoJoints& joints) noexc
 }
 
 ServoTarget::ServoTarget(const CrtkConfig& limits, const ArmGeometry& geometry, Arm arm) noexcept
-    : limits_(limits),
-      geometry_(geometry),
-      arm_(arm),
-      twist_ticks_(static_cast<Tick>(std::llround(twistTimeout(limits) / kTickSeconds))) {
+    : limits_(limits), geometry_(geometry), arm_(arm), twist_ticks_(toTicks(twistTimeout(limits))) {
   startFrom(poseOf(geometry.home), geometry.home, kinematics::jawOpening(geometry.home));
 }
 

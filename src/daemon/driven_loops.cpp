@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/loop/haptic_loop.h"
 #include "raven2_trainer/loop/physics_loop.h"
 #include "raven2_trainer/model/raven_model.h"
@@ -24,7 +25,7 @@ constexpr double kCircleSpeed = 20e-6;      // [m/tick]
 constexpr double kLag = 0.005;              // [m] of the robot behind the model: more than the cue's tolerance
 
 threads::CyclicPolicy policyOf(const RuntimeConfig& config) {
-  return {config.max_catch_up, static_cast<std::int64_t>(std::llround(config.max_backlog / kTickSeconds))};
+  return {config.max_catch_up, toTicks(config.max_backlog)};
 }
 
 template <typename Ring, typename Element>

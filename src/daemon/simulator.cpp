@@ -13,6 +13,7 @@
 #include "daemon/robot_port.h"
 #include "daemon/sender.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/daemon/sight_sender.h"
 #include "raven2_trainer/loop/fault_director.h"
 #include "raven2_trainer/loop/haptic_loop.h"
@@ -101,9 +102,7 @@ struct Simulator::Impl {
   }
 
   void startLoops() {
-    const threads::CyclicPolicy policy{
-        config.runtime.max_catch_up,
-        static_cast<std::int64_t>(std::llround(config.runtime.max_backlog / kTickSeconds))};
+    const threads::CyclicPolicy policy{config.runtime.max_catch_up, toTicks(config.runtime.max_backlog)};
     threads::CyclicThread::Hooks physics_hooks;
     physics_hooks.before = [] { physics::attachOdeToThread(); };
     physics_hooks.tick = [this](std::int64_t now_ns) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::detector {
@@ -47,8 +48,8 @@ double acceleration(const DetectorAxis& axis, double torque, double velocity, co
 
 Suspicion::Suspicion(const DetectorConfig& config) noexcept
     : threshold_(config.suspicion),
-      longest_(static_cast<int>(std::lround(config.suspicion_time / kTickSeconds))),
-      memory_(static_cast<int>(std::lround(config.memory / kTickSeconds))) {}
+      longest_(static_cast<int>(toTicks(config.suspicion_time))),
+      memory_(static_cast<int>(toTicks(config.memory))) {}
 
 void Suspicion::step(double size, double departs, bool is_beyond_clip) noexcept {
   const bool is_suspicious = size > threshold_;

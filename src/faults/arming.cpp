@@ -1,9 +1,9 @@
 #include "raven2_trainer/faults/arming.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::faults {
 namespace {
@@ -67,7 +67,7 @@ FaultPlan drillPlan(const FaultLibrary& library, std::uint32_t attempt, std::uin
   if (!isDrill(library)) return plan;
   plan = planFor(library, idOf(library.scenarios, library.drill), generation);
   const ExerciseDrill& drill = library.trigger;
-  const auto shot = static_cast<Tick>(std::llround((drill.delay + drawJitter(library, attempt)) / kTickSeconds));
+  const auto shot = toTicks(drill.delay + drawJitter(library, attempt));
   const Tick first = firstTick(plan);
   std::for_each(plan.faults.begin(), plan.faults.begin() + plan.count, [&](Fault& fault) {
     fault.trigger = FaultTrigger::kStep;

@@ -268,14 +268,14 @@ std::int32_t FaultEngine::applyInt(FaultVariable variable, Arm arm, std::size_t 
   return static_cast<std::int32_t>(std::lround(std::clamp(faulted, -2147483648.0, 2147483647.0)));
 }
 
-FaultEngine::Acting FaultEngine::acting(FaultVariable variable, FaultKind kind) const noexcept {
-  if (!isArmed()) return {};
+const Fault* FaultEngine::acting(FaultVariable variable, FaultKind kind) const noexcept {
+  if (!isArmed()) return nullptr;
   for (std::size_t i = 0; i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
     if (fault.host == host_ && fault.variable == variable && fault.kind == kind && isActing(fault, progress_[i]))
-      return {&fault, progress_[i].activations};
+      return &fault;
   }
-  return {};
+  return nullptr;
 }
 
 double FaultEngine::draw(const Fault& fault) noexcept {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/core/types.h"
 
 namespace raven2_trainer::haptics {
@@ -19,16 +20,12 @@ constexpr int kBlockTicks = 16;
 constexpr double kReserve = 0.5;    ///< of the budget: below it the force fades
 constexpr double kYielding = 0.75;  ///< of the budget: below it what yields fades, to nothing at kReserve
 
-std::int64_t ticks(double seconds) noexcept {
-  return std::llround(seconds / kTickSeconds);
-}
-
 }  // namespace
 
 PassivityGuard::PassivityGuard(const PassivityConfig& config) noexcept
     : config_(config),
-      delays_(static_cast<std::size_t>(std::clamp<std::int64_t>(ticks(config.max_delay), 0, kMaxGuardDelay)) + 1),
-      rest_ticks_(static_cast<std::int64_t>(delays_) + ticks(config.rest)),
+      delays_(static_cast<std::size_t>(std::clamp<std::int64_t>(toTicks(config.max_delay), 0, kMaxGuardDelay)) + 1),
+      rest_ticks_(static_cast<std::int64_t>(delays_) + toTicks(config.rest)),
       allowance_(config.budget) {}
 
 void PassivityGuard::observe(const Vector3d& hand) noexcept {

@@ -1,8 +1,8 @@
 #include "raven2_trainer/lockstep/lockstep.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/recording/recorder.h"
 
 namespace raven2_trainer::lockstep {
@@ -57,8 +57,8 @@ void Lockstep::tick() {
 }
 
 bool Lockstep::run(double seconds, const std::function<void(double)>& progress, End end) {
-  const auto wanted = static_cast<Tick>(std::llround(seconds / kTickSeconds));
-  const auto timeout = static_cast<Tick>(std::llround(impl_->config.runtime.start_timeout / kTickSeconds));
+  const auto wanted = toTicks(seconds);
+  const auto timeout = toTicks(impl_->config.runtime.start_timeout);
   Tick afterwards = 0, shown = 0;
   for (;;) {
     tick();

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/faults/packet_faults.h"
 
 namespace raven2_trainer::loop {
@@ -26,10 +27,7 @@ Quat unitOrNone(const Quat& q) noexcept {
 }  // namespace
 
 MasterIntake::MasterIntake(LoopFaults* faults, ServoManager* servo, Stage* stage) noexcept
-    : faults_(*faults),
-      servo_(*servo),
-      stage_(*stage),
-      silence_limit_(static_cast<Tick>(std::llround(stage->config.itp.pedalTimeout() / kTickSeconds))) {}
+    : faults_(*faults), servo_(*servo), stage_(*stage), silence_limit_(toTicks(stage->config.itp.pedalTimeout())) {}
 
 void MasterIntake::tick(bool may_teleoperate) noexcept {
   begin();

@@ -34,10 +34,10 @@ void RobotRelay::tick() noexcept {
 }
 
 void RobotRelay::send(const RelayPacket& packet) noexcept {
-  const auto network = faults_.relay.acting(FaultVariable::kPacket, FaultKind::kImpair);
+  const Fault* const network = faults_.relay.acting(FaultVariable::kPacket, FaultKind::kImpair);
   RelayPacket sent = packet;
   sent.is_held = faults_.relay.isHeld() ? 1 : 0;
-  sent.impairment = network ? 1 + static_cast<std::uint32_t>(network.fault->value) : 0;
+  sent.impairment = network != nullptr ? 1 + static_cast<std::uint32_t>(network->value) : 0;
   stage_.shared.relay_packets.tryPush(sent);
 }
 

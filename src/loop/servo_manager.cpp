@@ -5,6 +5,7 @@
 
 #include "raven2_trainer/control/axis_map.h"
 #include "raven2_trainer/control/operating_state.h"
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::loop {
 namespace {
@@ -25,10 +26,6 @@ CrtkConfig withinRules(CrtkConfig crtk, const ItpRules& rules) {
   crtk.move_speed = std::min(crtk.move_speed, crtk.max_speed);
   crtk.move_turn_rate = std::min(crtk.move_turn_rate, crtk.max_turn_rate);
   return crtk;
-}
-
-Tick ticksOf(double seconds) noexcept {
-  return static_cast<Tick>(std::llround(seconds / kTickSeconds));
 }
 
 bool isMove(ServoKind kind) noexcept {
@@ -95,9 +92,9 @@ ServoManager::ServoManager(const LoopConfig& config, SharedState* shared)
       rests_{Rest{control::ServoTrim(config.crtk.trim_time, geometry_)},
              Rest{control::ServoTrim(config.crtk.trim_time, geometry_)}},
       gains_(config.model.gains),
-      console_limit_(ticksOf(rules_.pedalTimeout())),
-      idle_limit_(ticksOf(config.crtk.release_after)),
-      push_ticks_(ticksOf(twistTimeout(config.crtk))),
+      console_limit_(toTicks(rules_.pedalTimeout())),
+      idle_limit_(toTicks(config.crtk.release_after)),
+      push_ticks_(toTicks(twistTimeout(config.crtk))),
       is_raven_(config.crtk.dialect == CrtkDialect::kRaven) {}
 
 // ---- who has the pedal -------------------------------------------------------------------------------------------

@@ -1,6 +1,5 @@
 #include "planning/fmt_star.h"
 
-#include <ompl/base/PlannerData.h>
 #include <ompl/base/goals/GoalSampleableRegion.h>
 #include <ompl/geometric/PathGeometric.h>
 
@@ -335,9 +334,7 @@ bool FmtStar::isAccepted(const Stop& stop) {
   std::vector<UnitState> path;
   for (const Id id : ids)
     path.push_back(points_[id]);
-  const Clock::time_point begin = Clock::now();
   const PathVerdict verdict = judge_ ? judge_(path) : PathVerdict{};
-  counts_.judge_time += secondsSince(begin);
   if (verdict.accepted) {
     setSolution(path);
     return true;
@@ -358,20 +355,6 @@ void FmtStar::setSolution(const std::vector<UnitState>& path) {
   found.setPlannerName(getName());
   found.setOptimized(pdef_->getOptimizationObjective(), ob::Cost(to_come_[kGoal]), true);
   pdef_->addSolutionPath(found);
-}
-
-void FmtStar::getPlannerData(ob::PlannerData& data) const {
-  ob::Planner::getPlannerData(data);
-  std::vector<ob::ScopedState<>> states;
-  for (const UnitState& point : points_) {
-    states.emplace_back(si_);
-    toOmpl(point, states.back().get());
-  }
-  for (Id id = 0; id < points_.size(); ++id) {
-    if (parents_[id] != kNobody)
-      data.addEdge(ob::PlannerDataVertex(states[parents_[id]].get()), ob::PlannerDataVertex(states[id].get()));
-  }
-  data.decoupleFromPlanner();
 }
 
 }  // namespace raven2_trainer::planning

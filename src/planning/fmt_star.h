@@ -40,7 +40,7 @@ struct FmtCounts {
   std::uint32_t refusals{};  ///< paths that the judge refused
   std::uint32_t detached{};  ///< points cut off with refused edges and searched again
   std::uint32_t expanded{};  ///< points whose neighbours were connected; a search from scratch starts from none
-  double sampling_time{}, neighbour_time{}, judge_time{};  ///< [s]
+  double sampling_time{}, neighbour_time{};  ///< [s]
 };
 
 /**
@@ -68,7 +68,6 @@ class FmtStar : public ompl::base::Planner {
 
   ompl::base::PlannerStatus solve(const ompl::base::PlannerTerminationCondition& stop) override;
   void clear() override;
-  void getPlannerData(ompl::base::PlannerData& data) const override;
 
   FmtEnd end() const { return end_; }
   const FmtCounts& counts() const { return counts_; }

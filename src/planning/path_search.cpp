@@ -1,7 +1,6 @@
 #include "planning/path_search.h"
 
 #include <algorithm>
-#include <chrono>
 
 #include "planning/make_planner.h"
 
@@ -82,9 +81,7 @@ class StockSearch {
       return true;
     }
     outcome->status = PlanStatus::kSuccess;
-    const auto begin = std::chrono::steady_clock::now();
     const PathVerdict verdict = order_.judge ? order_.judge(outcome->path) : PathVerdict{};
-    outcome->fmt.judge_time += std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (verdict.accepted) return true;
     outcome->fmt.refusals = ++refusals_;
     const std::size_t edge = std::min(verdict.failed_edge, outcome->path.size() - 2);

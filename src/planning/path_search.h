@@ -25,7 +25,7 @@ struct SearchOutcome {
   PlanStatus status{PlanStatus::kNoPath};  ///< kTimeLimit for whatever `stop` was meant to say
   std::vector<UnitState> path;             ///< with kSuccess: as it was found, start and goal included
   PlanningCounts counts;
-  FmtCounts fmt;  ///< of FMTstar; of the others refusals and judge_time
+  FmtCounts fmt;  ///< of FMTstar; of the others refusals
 };
 
 /**

@@ -539,8 +539,8 @@ void ControlSoftware::Impl::beginCycle() noexcept {
   ++state.cycle;
   const RunLevel level = machine.runLevel();
   faults.beginCycle({level == RunLevel::kPedalDown, static_cast<int>(level), signals});
-  if (faults.acting(FaultVariable::kProgram, FaultKind::kCrash)) state.program = ProgramState::kCrashed;
-  if (faults.acting(FaultVariable::kProgram, FaultKind::kHang)) state.program = ProgramState::kHung;
+  if (faults.acting(FaultVariable::kProgram, FaultKind::kCrash) != nullptr) state.program = ProgramState::kCrashed;
+  if (faults.acting(FaultVariable::kProgram, FaultKind::kHang) != nullptr) state.program = ProgramState::kHung;
 }
 
 void ControlSoftware::Impl::runCycle(const PerArm<UsbRead>& boards) noexcept {

@@ -1,7 +1,8 @@
 #include "raven/network_layer.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::raven {
 namespace {
@@ -9,7 +10,7 @@ namespace {
 /** [cycles] */
 std::int64_t pedalTimeout(const VirtualRavenConfig& config) noexcept {
   const bool hardened = config.behaviour == "hardened";
-  return hardened ? std::llround(config.itp.master_timeout / kTickSeconds) : config.master_timeout;
+  return hardened ? toTicks(config.itp.master_timeout) : config.master_timeout;
 }
 
 ItpRules hardenedRules(ItpRules rules) noexcept {

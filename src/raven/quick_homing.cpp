@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
+
 namespace raven2_trainer::raven {
 namespace {
 
@@ -12,7 +14,7 @@ constexpr std::int64_t kSettleCycles = 500;
 }  // namespace
 
 QuickHoming::QuickHoming(const JointArray& home, double time) noexcept
-    : home_(home), length_(std::max<std::int64_t>(1, std::llround(time / kTickSeconds))) {}
+    : home_(home), length_(std::max<std::int64_t>(1, toTicks(time))) {}
 
 void QuickHoming::hold(const PerArm<JointArray>& q) noexcept {
   if (done_) return;

@@ -1,8 +1,8 @@
 #include "render/tip_trails.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::render {
@@ -14,7 +14,7 @@ constexpr Tick kLongestGap = 250;
 constexpr Tick kLastTick = Tick{1} << 60;  // damaged logs hold any number; keeps the sums below from overflowing
 
 Tick ticksOf(double seconds) {
-  return std::max<Tick>(1, std::llround(seconds / kTickSeconds));
+  return std::max<Tick>(1, toTicks(seconds));
 }
 
 }  // namespace

@@ -35,7 +35,6 @@ class AppendFile {
   /** Gives back the reserve. @return false with error() set if the system reports a late failure. */
   bool close() noexcept;
 
-  bool isOpen() const noexcept { return fd_ >= 0; }
   /** [bytes] appended so far. */
   std::uint64_t size() const noexcept { return size_; }
   /** errno of the last failure. */

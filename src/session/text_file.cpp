@@ -26,7 +26,6 @@ struct LineReader::Impl {
   std::string path;
   gzFile file{nullptr};
   std::size_t line{0};
-  double size{1.0};
   std::array<char, kMaxLine + 2> buffer{};
 };
 
@@ -37,7 +36,6 @@ LineReader::LineReader(const std::string& path) : impl_(std::make_unique<Impl>()
   if (is_file) impl_->file = gzopen(path.c_str(), "rb");  // passes through what is not gzipped
   if (impl_->file == nullptr) throw SessionException(path + ":1: cannot be opened");
   gzbuffer(impl_->file, kBuffer);
-  impl_->size = std::max(1.0, static_cast<double>(status.st_size));
 }
 
 LineReader::~LineReader() {
@@ -62,10 +60,6 @@ bool LineReader::next(std::string* line) {
 
 std::string LineReader::where() const {
   return impl_->path + ":" + std::to_string(impl_->line);
-}
-
-double LineReader::progress() const {
-  return std::min(1.0, static_cast<double>(gzoffset(impl_->file)) / impl_->size);
 }
 
 struct TextWriter::Impl {

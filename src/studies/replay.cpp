@@ -1,11 +1,11 @@
 #include "raven2_trainer/studies/replay.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <system_error>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/model/raven_model.h"
 #include "raven2_trainer/plant/plant.h"
 #include "raven2_trainer/raven/control_software.h"
@@ -42,7 +42,7 @@ struct Replay::Impl {
   void step() {
     plant.step(software.cycle(plant.read()));
     stopped_cycles = level() == RunLevel::kEStop ? stopped_cycles + 1 : 0;
-    if (options.press_start >= 0.0 && stopped_cycles == 1 + std::llround(options.press_start / kTickSeconds)) {
+    if (options.press_start >= 0.0 && stopped_cycles == 1 + toTicks(options.press_start)) {
       plant.pressStart();
     }
     ++summary.cycles;

@@ -1,6 +1,6 @@
 #include <algorithm>
-#include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "training/exercise_judge_impl.h"
 #include "training/units.h"
@@ -29,7 +29,7 @@ ExerciseJudge::Impl::Impl(const Exercise& e,
       reach(arms.geometry, senses.bases()),
       tissue(scene_model, roles.tissue),
       rule_counts(e.rules.size(), 0),
-      time_limit(std::llround(e.time_limit / kTickSeconds)) {
+      time_limit(toTicks(e.time_limit)) {
   for (const ExerciseTrack& track : e.tracks)
     tracks.emplace_back(track, senses);
 }
@@ -265,7 +265,7 @@ void ExerciseJudge::Impl::watchDrop(std::size_t object) noexcept {
     return;
   }
   const double grace = exercise.rules[static_cast<std::size_t>(rule)].grace;
-  if (story.lifted >= kLiftedFor) story.verdict = std::llround(grace / kTickSeconds);
+  if (story.lifted >= kLiftedFor) story.verdict = toTicks(grace);
   story.lifted = 0;
   if (story.verdict < 0 || story.verdict-- > 0) return;
   if (belongsWhereItIs(object)) return;

@@ -154,22 +154,4 @@ std::vector<CurriculumAttempt> attemptsOf(const std::vector<IndexEntry>& index, 
   return attempts;
 }
 
-std::vector<CurvePoint> learningCurve(const std::vector<IndexEntry>& index,
-                                      const std::string& trainee,
-                                      const std::string& exercise,
-                                      const std::string& drill,
-                                      const std::string& metric) {
-  std::vector<CurvePoint> curve;
-  for (const IndexEntry& entry : index) {
-    if (entry.trainee != trainee || entry.exercise != exercise || entry.drill != drill) continue;
-    for (const IndexAttempt& attempt : entry.attempts) {
-      const auto found = attempt.metrics.find(metric);
-      const bool is_there = found != attempt.metrics.end();
-      curve.push_back(
-          {curve.size() + 1, is_there ? std::optional<double>(found->second) : std::nullopt, attempt.passed});
-    }
-  }
-  return curve;
-}
-
 }  // namespace raven2_trainer::training

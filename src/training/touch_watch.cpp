@@ -1,13 +1,14 @@
 #include "training/touch_watch.h"
 
 #include <algorithm>
-#include <cmath>
+
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::training {
 
 TouchWatch::TouchWatch(const Exercise& exercise, const JudgeScene& scene) : scene_(scene) {
   for (const WatchRule& rule : exercise.rules)
-    rules_.push_back({rule.force, std::lround(rule.gap / kTickSeconds)});
+    rules_.push_back({rule.force, toTicks(rule.gap)});
 }
 
 void TouchWatch::observe(const ContactList& list) noexcept {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "raven2_trainer/core/ticks.h"
+
 namespace raven2_trainer::training {
 namespace {
 
@@ -26,7 +28,7 @@ TrackRunner::TrackRunner(const ExerciseTrack& track, const SceneSenses& senses)
   for (const ExerciseStep& step : track.steps) {
     Step s;
     s.until = step.until;
-    s.dwell = std::max<std::int64_t>(std::lround(step.dwell / kTickSeconds), 1);
+    s.dwell = std::max<std::int64_t>(toTicks(step.dwell), 1);
     arms = static_cast<std::uint8_t>(arms | armsOf(step, track.object));
     s.arms = arms == 0 ? kBothArms : arms;
     for (const Predicate& p : step.until) {

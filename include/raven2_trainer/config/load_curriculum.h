@@ -17,7 +17,4 @@ Curriculum loadCurriculum(const std::string& path);
 /** A curriculum by name. @throw ConfigException as above, or listing the known names. */
 Curriculum findCurriculum(const std::string& folder, const std::string& name);
 
-/** Names of the curricula in a folder, sorted. */
-std::vector<std::string> curriculumNames(const std::string& folder);
-
 }  // namespace raven2_trainer::config

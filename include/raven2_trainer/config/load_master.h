@@ -17,7 +17,4 @@ MasterConfig loadMaster(const std::string& path);
  */
 MasterConfig findMaster(const std::string& folder, const std::string& name);
 
-/** Names of the masters in a folder, sorted. */
-std::vector<std::string> masterNames(const std::string& folder);
-
 }  // namespace raven2_trainer::config

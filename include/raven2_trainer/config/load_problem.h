@@ -22,7 +22,4 @@ PlanProblem loadProblem(const std::string& path, const ArmGeometry& geometry);
  */
 PlanProblem findProblem(const std::string& folder, const std::string& name, const ArmGeometry& geometry);
 
-/** Names of the problems in a folder, sorted. */
-std::vector<std::string> problemNames(const std::string& folder);
-
 }  // namespace raven2_trainer::config

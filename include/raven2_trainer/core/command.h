@@ -128,7 +128,6 @@ struct FaultRequest {
 struct PlanRequest {
   std::uint32_t id{};
   std::uint32_t serial{};  ///< number of this problem; selects its flag in SharedState::plan_cancelled
-  Tick requested_tick{};
   Arm arm{Arm::kGold};
   JointArray start{};         ///< [rad, m] joints of `arm`
   JointArray other{};         ///< [rad, m] joints of the other arm

@@ -71,13 +71,8 @@ class FaultEngine {
       (*values)[i] = corrupt(variable, arm, i, (*values)[i]);
   }
 
-  /** The fault of such a kind that acts on a stream or program now, and which activation; null if none does. */
-  struct Acting {
-    const Fault* fault{};
-    std::int64_t activation{};  ///< counts its activations: 1, 2, ...
-    explicit operator bool() const noexcept { return fault != nullptr; }
-  };
-  Acting acting(FaultVariable variable, FaultKind kind) const noexcept;
+  /** The fault of such a kind that acts on a stream or program now; null if none does. */
+  const Fault* acting(FaultVariable variable, FaultKind kind) const noexcept;
 
   /** Uniform in [0, 1) from the seed of an acting fault. */
   double draw(const Fault& fault) noexcept;

@@ -50,8 +50,8 @@ class PacketStream {
     remember(packet, *engine);
     if (isLost(engine)) return;
     const std::int64_t due = engine->cycle() + delay(engine);
-    const FaultEngine::Acting twice = engine->acting(variable_, FaultKind::kDuplicate);
-    const std::int64_t copies = twice ? 1 + std::llround(twice.fault->value) : 1;
+    const Fault* const twice = engine->acting(variable_, FaultKind::kDuplicate);
+    const std::int64_t copies = twice != nullptr ? 1 + std::llround(twice->value) : 1;
     added_ += static_cast<std::uint64_t>(copies - 1);
     for (std::int64_t i = 0; i < copies; ++i)
       put(changed, due);
@@ -99,28 +99,28 @@ class PacketStream {
   }
 
   bool isLost(FaultEngine* engine) noexcept {
-    const FaultEngine::Acting drop = engine->acting(variable_, FaultKind::kDrop);
-    if (!drop || engine->draw(*drop.fault) >= drop.fault->value) return false;
+    const Fault* const drop = engine->acting(variable_, FaultKind::kDrop);
+    if (drop == nullptr || engine->draw(*drop) >= drop->value) return false;
     ++lost_;
     return true;
   }
 
   std::int64_t delay(FaultEngine* engine) noexcept {
-    const FaultEngine::Acting late = engine->acting(variable_, FaultKind::kDelay);
-    if (!late) return 0;
-    const double drawn = engine->draw(*late.fault);
-    return std::llround(late.fault->low + (late.fault->high - late.fault->low) * drawn);
+    const Fault* const late = engine->acting(variable_, FaultKind::kDelay);
+    if (late == nullptr) return 0;
+    const double drawn = engine->draw(*late);
+    return std::llround(late->low + (late->high - late->low) * drawn);
   }
 
   /** The window before onset, again and again; for hold_last it is one packet long. */
   void replay(T* packet, const FaultEngine& engine) noexcept {
-    FaultEngine::Acting again = engine.acting(variable_, FaultKind::kReplay);
-    const bool frozen = !again && (again = engine.acting(variable_, FaultKind::kHoldLast));
-    if (!again) {
+    const Fault* again = engine.acting(variable_, FaultKind::kReplay);
+    const bool frozen = again == nullptr && (again = engine.acting(variable_, FaultKind::kHoldLast)) != nullptr;
+    if (again == nullptr) {
       replayed_ = -1;
       return;
     }
-    const auto wanted = frozen ? 1 : static_cast<std::uint64_t>(std::llround(again.fault->value));
+    const auto wanted = frozen ? 1 : static_cast<std::uint64_t>(std::llround(again->value));
     const std::uint64_t window = std::min({wanted, remembered_, std::uint64_t{Capacity}});
     if (window == 0) return;
     ++replayed_;
@@ -128,29 +128,31 @@ class PacketStream {
   }
 
   void remember(const T& packet, const FaultEngine& engine) noexcept {
-    if (engine.acting(variable_, FaultKind::kReplay) || engine.acting(variable_, FaultKind::kHoldLast)) return;
+    const bool replays = engine.acting(variable_, FaultKind::kReplay) != nullptr ||
+                         engine.acting(variable_, FaultKind::kHoldLast) != nullptr;
+    if (replays) return;
     past(remembered_++) = packet;
   }
 
   void forge(const T& packet, std::int64_t due, const FaultEngine& engine) noexcept {
-    const FaultEngine::Acting forger = engine.acting(variable_, FaultKind::kForge);
-    if (!forger) return;
+    const Fault* const forger = engine.acting(variable_, FaultKind::kForge);
+    if (forger == nullptr) return;
     T forged = packet;
-    Traits::sequence(forged) += static_cast<std::uint32_t>(std::llround(forger.fault->low));
+    Traits::sequence(forged) += static_cast<std::uint32_t>(std::llround(forger->low));
     for (const Arm arm : kArms) {
-      const bool concerned = forger.fault->arm < 0 || static_cast<std::size_t>(forger.fault->arm) == index(arm);
-      if (concerned) Traits::forge(&forged, arm, static_cast<std::size_t>(forger.fault->channel), forger.fault->value);
+      const bool concerned = forger->arm < 0 || static_cast<std::size_t>(forger->arm) == index(arm);
+      if (concerned) Traits::forge(&forged, arm, static_cast<std::size_t>(forger->channel), forger->value);
     }
     ++added_;
     put(forged, due);
   }
 
   void reorder(const FaultEngine& engine) noexcept {
-    const FaultEngine::Acting mixed = engine.acting(variable_, FaultKind::kReorder);
-    if (!mixed) return;
+    const Fault* const mixed = engine.acting(variable_, FaultKind::kReorder);
+    if (mixed == nullptr) return;
     if (!held_back_) block_begin_ = end_ - 1;
     held_back_ = true;
-    if (end_ - block_begin_ >= static_cast<std::uint64_t>(std::llround(mixed.fault->value))) letGo();
+    if (end_ - block_begin_ >= static_cast<std::uint64_t>(std::llround(mixed->value))) letGo();
   }
 
   /** Turns the block round. */

@@ -16,8 +16,6 @@ class EventFd {
   /** Waits at most `timeout_ms` (0: just looks). @return true, and cleared, if there was a signal. */
   bool wait(int timeout_ms) noexcept;
 
-  int fd() const noexcept { return fd_.get(); }
-
  private:
   FileDescriptor fd_;
 };

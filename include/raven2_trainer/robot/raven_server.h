@@ -36,13 +36,11 @@ class RavenServer {
   // Any thread.
   /** State after the last control cycle. */
   RobotState state() const noexcept { return state_.load(); }
-  LoopTiming timing() const noexcept { return timing_.load(); }
   /** Cycles in which the detector replaced a command or stopped the robot; 0 without one. */
   std::uint64_t detectorCycles() const noexcept { return detector_cycles_.load(std::memory_order_relaxed); }
   /** The start button of the emulated PLC: out of E-STOP, after its cause is gone. */
   void pressStart() noexcept { start_pressed_.store(true, std::memory_order_relaxed); }
   const StateServer& stateServer() const noexcept { return state_server_; }
-  bool realtime() const noexcept { return control_.realtime(); }
   /** Why the control loop did not get its priority; empty if it did. */
   std::string refusal() const { return control_.refusal(); }
 

@@ -17,7 +17,6 @@ struct SessionPaths {
   std::string usbTruth() const { return directory + "/usb_truth.json"; }  ///< training/usb_truth.h
   std::string score() const { return directory + "/score.json"; }
   std::string video() const { return directory + "/video.mp4"; }
-  std::string report() const { return directory + "/report.html"; }
   std::string ticks() const { return directory + "/ticks.csv"; }
   std::string flight() const { return directory + "/flight_recorder"; }  ///< a link, until the log ends cleanly
   std::string recovered() const { return directory + "/recovered.json"; }

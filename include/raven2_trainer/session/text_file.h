@@ -18,8 +18,6 @@ class LineReader {
 
   /** "FILE:LINE" of the last line read. */
   std::string where() const;
-  /** Share of the file's bytes read so far, 0 to 1. */
-  double progress() const;
 
  private:
   struct Impl;

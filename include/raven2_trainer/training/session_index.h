@@ -43,18 +43,4 @@ void addToIndex(const std::string& path, const IndexEntry& entry);
 /** A trainee's attempts in order, for follow(). */
 std::vector<CurriculumAttempt> attemptsOf(const std::vector<IndexEntry>& index, const std::string& trainee);
 
-/** One attempt of a learning curve. */
-struct CurvePoint {
-  std::size_t attempt{};  ///< from 1, of that trainee in that exercise and drill
-  std::optional<double> value;
-  std::optional<bool> passed;
-};
-
-/** How a metric went over a trainee's attempts at an exercise. */
-std::vector<CurvePoint> learningCurve(const std::vector<IndexEntry>& index,
-                                      const std::string& trainee,
-                                      const std::string& exercise,
-                                      const std::string& drill,
-                                      const std::string& metric);
-
 }  // namespace raven2_trainer::training

@@ -54,10 +54,9 @@ void PlanStore::choose(Arm arm, const JointArray& q, const JointArray& dq) noexc
   chosen_dq_ = dq;
 }
 
-void PlanStore::ask(const Request& request, const PerArm<JointArray>& now, Tick tick) noexcept {
+void PlanStore::ask(const Request& request, const PerArm<JointArray>& now) noexcept {
   forget();
   PlanRequest plan = toPlanRequest(request, now);
-  plan.requested_tick = tick;
   plan.serial = ++serial_;
   planCancelled(&shared_, serial_).store(false);
   shared_.plan_requests.tryPush(plan);

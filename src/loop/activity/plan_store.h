@@ -41,7 +41,7 @@ class PlanStore {
   /** As many are under way as the rings hold. */
   bool isFull() const noexcept { return plans_under_way_ >= kMaxPlansUnderWay; }
   /** @param[in] now [rad; m] both arms. @param[in] tick in which it is asked for. */
-  void ask(const Request& request, const PerArm<JointArray>& now, Tick tick) noexcept;
+  void ask(const Request& request, const PerArm<JointArray>& now) noexcept;
   /** Notes for the record that a request got no plan; the client learns it from answer(). An earlier plan stays. */
   void refuse(std::uint32_t id, Tick tick) noexcept;
   /** An answer came. @return it, cancelled if nobody waits for it any more; what was awaited is kept if it succeeded.

@@ -1,6 +1,6 @@
 #include "loop/activity/planning.h"
 
-#include <cmath>
+#include "raven2_trainer/core/ticks.h"
 
 namespace raven2_trainer::loop {
 
@@ -20,7 +20,7 @@ PlanningAnswer Planning::plan(Request request) noexcept {
     store_.refuse(request.id, stage_.thisTick());
     return PlanningAnswer::kNotNow;
   }
-  store_.ask(request, stage_.arms.joints(), stage_.thisTick());
+  store_.ask(request, stage_.arms.joints());
   return PlanningAnswer::kAccepted;
 }
 
@@ -32,7 +32,7 @@ std::uint32_t Planning::nextOwnId() noexcept {
 
 void Planning::planBySchedule() noexcept {
   if (!is_scheduled_) return;
-  const auto due = static_cast<Tick>(std::llround(stage_.config.plan_at / kTickSeconds));
+  const auto due = toTicks(stage_.config.plan_at);
   if (stage_.state.session_tick < due || mode() != Mode::kPedalUp || stage_.pedal.is_down) return;
   is_scheduled_ = false;
   Request request;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 
 namespace raven2_trainer::loop {
@@ -37,7 +38,7 @@ TrialStore::TrialStore(const LoopConfig& config,
       geometry_(config.arms.geometry),
       answers_(*answers),
       shared_(*shared),
-      tape_(static_cast<std::size_t>(std::llround(limit / kTickSeconds))),
+      tape_(static_cast<std::size_t>(toTicks(limit))),
       execution_(config.execution),
       relays_{control::PathRelay(config.arms.geometry, limitsOf(config.itp)),
               control::PathRelay(config.arms.geometry, limitsOf(config.itp))},

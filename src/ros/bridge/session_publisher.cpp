@@ -1,10 +1,10 @@
 #include "ros/bridge/session_publisher.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/ticks.h"
 #include "ros/planning/planning_messages.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -21,10 +21,6 @@ ContactList contactList(Tick tick, const std::vector<ContactRecord>& records) {
     list.contacts[i] = {record.a, record.b, static_cast<float>(record.depth), record.p_W, {}, record.f_W};
   }
   return list;
-}
-
-Tick ticksOf(double seconds) {
-  return static_cast<Tick>(std::llround(seconds / kTickSeconds));
 }
 
 }  // namespace
@@ -74,8 +70,8 @@ void SessionPublisher::publish(const session::ReplayInstant& instant, const ros:
 void SessionPublisher::read(double from,
                             const std::function<void(const session::ReplayInstant&)>& use,
                             const std::function<void(const TickRecord&)>& on_tick) const {
-  session::ReplayTimeline timeline(std::max<Tick>(1, ticksOf(config_.runtime.ros_period)),
-                                   from < 0.0 ? -1 : ticksOf(from));
+  session::ReplayTimeline timeline(std::max<Tick>(1, toTicks(config_.runtime.ros_period)),
+                                   from < 0.0 ? -1 : toTicks(from));
   const auto useComplete = [&] {
     for (session::ReplayInstant instant; timeline.next(&instant);)
       use(instant);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "raven2_trainer/core/ticks.h"
 #include "ros/node/seconds_between.h"
 #include "ros/raven/raven_conversion.h"
 
@@ -98,7 +99,7 @@ int RavenStateReader::cyclesSince(const ros::Time& stamp, const ros::Duration& d
   stamp_ = stamp;
   const bool is_gap = is_first || is_restart || step < 0.0 || step > kRestartGap;
   const bool is_next = std::abs(step - dt.toSec()) < kStampNoise;
-  const int cycles = is_gap ? kRestart : is_next ? 1 : std::max(1, static_cast<int>(std::lround(step / kTickSeconds)));
+  const int cycles = is_gap ? kRestart : is_next ? 1 : std::max(1, static_cast<int>(toTicks(step)));
   cycle_ += static_cast<std::uint64_t>(std::max(cycles, 1));
   return cycles;
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "config/named_files.h"
 #include "raven2_trainer/config/load_curriculum.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/yaml_file.h"
@@ -120,7 +121,7 @@ TEST(FindCurriculum, ListsTheKnownOnes) {
 
 TEST(FindCurriculum, ThePackagedOnesAreReadable) {
   const std::string folder = std::string(RAVEN2_TRAINER_SOURCE_DIR) + "/config/curricula";
-  const std::vector<std::string> names = curriculumNames(folder);
+  const std::vector<std::string> names = namesIn(folder);
   EXPECT_NE(std::find(names.begin(), names.end(), "frs_basics"), names.end());
   for (const std::string& name : names)
     EXPECT_FALSE(findCurriculum(folder, name).stages.empty()) << name;

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "config/named_files.h"
 #include "support/yaml_file.h"
 
 namespace raven2_trainer::config {
@@ -58,7 +59,7 @@ devices:
 )";
 
 TEST(LoadMaster, EveryShippedFileIsGood) {
-  const std::vector<std::string> names = masterNames(kFolder);
+  const std::vector<std::string> names = namesIn(kFolder);
   EXPECT_EQ(names, (std::vector<std::string>{"browser", "crtk_pair", "gamepad", "mtm", "omni", "omni_pair",
                                              "touch_geomagic"}));
   for (const std::string& name : names) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "config/named_files.h"
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "support/yaml_file.h"
@@ -94,7 +95,7 @@ TEST(LoadProblem, ValuesOutOfRangeAreRefusedWithTheirLine) {
 
 TEST(LoadProblem, ProblemsAreFoundByNameAndByFile) {
   const std::vector<std::string> names{"impossible", "into_dome", "paper", "past_tower", "short_move", "two_arms"};
-  EXPECT_EQ(problemNames(kFolder), names);
+  EXPECT_EQ(namesIn(kFolder), names);
   for (const std::string& name : names) {
     EXPECT_EQ(findProblem(kFolder, name, geometry()).name, name);
     EXPECT_EQ(findProblem(kFolder, kFolder + "/" + name + ".yaml", geometry()).name, name);

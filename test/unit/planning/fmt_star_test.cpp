@@ -123,10 +123,7 @@ TEST(FmtStar, TakesAnyObjectiveOfOmpl) {
   planner.setup();
   EXPECT_EQ(planner.solve(ob::plannerNonTerminatingCondition()), ob::PlannerStatus::EXACT_SOLUTION);
   EXPECT_NEAR(length(readPath(*problem.definition())), length(searchPath(order).path), 1e-12);
-  // AND the tree can be read and cleared
-  ob::PlannerData data(problem.space());
-  planner.getPlannerData(data);
-  EXPECT_GT(data.numEdges(), 10u);
+  // AND the tree can be cleared
   planner.clear();
   EXPECT_EQ(planner.counts().samples, 0u);
 }

@@ -115,20 +115,5 @@ TEST_F(SessionIndex, GivesATraineesAttemptsToACurriculum) {
   EXPECT_EQ(attempts[0].exercise, "peg_transfer");
 }
 
-TEST_F(SessionIndex, GivesALearningCurveOfOneExerciseAndDrill) {
-  IndexEntry drill = makeEntry("d", "3");
-  drill.drill = "sudden_jump";
-  IndexEntry twice = makeEntry("e", "4", false, 30.0);
-  twice.attempts.push_back({"failed", false, {}});
-  const std::vector<IndexEntry> index{makeEntry("a", "1", false, 70.0), drill, twice};
-  const std::vector<CurvePoint> curve = learningCurve(index, "kim-01", "peg_transfer", "", "time");
-  ASSERT_EQ(curve.size(), 3u);
-  EXPECT_EQ(curve[0].value, 70.0);
-  EXPECT_EQ(curve[1].value, 30.0);
-  EXPECT_EQ(curve[2].attempt, 3u);
-  EXPECT_EQ(curve[2].value, std::nullopt);
-  EXPECT_TRUE(learningCurve(index, "lee", "peg_transfer", "", "time").empty());
-}
-
 }  // namespace
 }  // namespace raven2_trainer::training
