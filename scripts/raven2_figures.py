@@ -9,6 +9,7 @@ import numpy as np  # noqa: E402
 import raven2_kinematics  # noqa: E402
 from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: E402
 from matplotlib.backends.backend_svg import FigureCanvasSVG  # noqa: E402
+from raven2_report.drawing import thinned  # noqa: E402
 
 MAX_POINTS = 3000  # of a drawn line
 ARMS = ("gold", "green")
@@ -50,23 +51,6 @@ def runs(mask):
     """(first, last) index pairs of the stretches in which `mask` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate(([0], mask.astype(np.int8), [0]))))
     return list(zip(edges[::2], edges[1::2] - 1))
-
-
-def thinned(t, values):
-    """At most MAX_POINTS points of a line that keep its peaks: the least and the largest of each stretch."""
-    if len(t) <= MAX_POINTS:
-        return t, values
-    stretches = MAX_POINTS // 2
-    bounds = np.linspace(0, len(t), stretches + 1).astype(int)
-    keep = np.empty(2 * stretches, dtype=int)
-    filled = np.where(np.isnan(values), np.inf, values)
-    emptied = np.where(np.isnan(values), -np.inf, values)
-    for i in range(stretches):
-        part = slice(bounds[i], bounds[i + 1])
-        keep[2 * i] = bounds[i] + np.argmin(filled[part])
-        keep[2 * i + 1] = bounds[i] + np.argmax(emptied[part])
-    keep = np.unique(keep)
-    return t[keep], values[keep]
 
 
 class Series:
@@ -202,8 +186,8 @@ def joint_figure(series):
     figure, axes = _new(3.1)
     _mark(axes, series)
     model, robot = (np.degrees(q[:, 0, 0]) for q in (series.q_model, series.q_robot))
-    axes.plot(*thinned(series.t, model), color=MODEL, linewidth=2.4, alpha=0.6, label="model")
-    axes.plot(*thinned(series.t, robot), color=ROBOT, linewidth=1.0, label="robot")
+    axes.plot(*thinned(series.t, model, MAX_POINTS), color=MODEL, linewidth=2.4, alpha=0.6, label="model")
+    axes.plot(*thinned(series.t, robot, MAX_POINTS), color=ROBOT, linewidth=1.0, label="robot")
     axes.set_ylabel("joint 1, gold arm [deg]")
     _legend(axes)
     return figure
@@ -214,7 +198,7 @@ def force_figure(series):
     figure, axes = _new(2.8)
     _mark(axes, series)
     for i, arm in enumerate(ARMS):
-        axes.plot(*thinned(series.force_t, series.force[:, i]), color=ARM_COLOURS[arm], label=f"{arm} arm")
+        axes.plot(*thinned(series.force_t, series.force[:, i], MAX_POINTS), color=ARM_COLOURS[arm], label=f"{arm} arm")
     axes.plot([], [], " ", label=f"(acts beyond {series.tolerance_mm:g} mm)")
     axes.set_ylabel("haptic force [N]")
     axes.set_ylim(bottom=0)
@@ -227,7 +211,7 @@ def error_figure(series):
     figure, axes = _new(2.8)
     _mark(axes, series)
     for i, arm in enumerate(ARMS):
-        axes.plot(*thinned(series.t, series.error_mm[:, i]), color=ARM_COLOURS[arm], label=f"{arm} arm")
+        axes.plot(*thinned(series.t, series.error_mm[:, i], MAX_POINTS), color=ARM_COLOURS[arm], label=f"{arm} arm")
     axes.axhline(series.tolerance_mm, color="#30363d", linewidth=0.9, linestyle=(0, (5, 3)),
                  label=f"threshold {series.tolerance_mm:g} mm")
     axes.set_ylabel("tip distance [mm]")
@@ -283,7 +267,7 @@ def joints_figure(series):
             for values, style in ((series.q_asked, {"color": "black", "linewidth": 0.8, "label": "operator"}),
                                   (series.q_model, {"color": MODEL, "linewidth": 2.2, "alpha": 0.6, "label": "model"}),
                                   (series.q_robot, {"color": ROBOT, "linewidth": 1.0, "label": "robot"})):
-                axes.plot(*thinned(series.t, scale * values[:, i, joint]), **style)
+                axes.plot(*thinned(series.t, scale * values[:, i, joint], MAX_POINTS), **style)
             axes.set_ylabel(f"{name} [{unit}]")
         error = series.error_mm[:, i]
         apart = f", tips {np.nanmean(error):.2f} ± {np.nanstd(error):.2f} mm apart" if not np.all(np.isnan(error)) else ""

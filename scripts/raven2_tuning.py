@@ -9,6 +9,8 @@ import csv
 
 import numpy as np
 
+from raven2_kinematics import forward, link
+
 PERIOD = 1e-3  # [s]
 GEAR = 49.0 / 4.0
 TRANSMISSION = np.array([136.19625551, 121.52207496, 2158.59030837])  # [rad/rad, rad/rad, rad/m]
@@ -76,30 +78,16 @@ def to_joint(motor):
     return motor @ np.linalg.inv(coupling()).T
 
 
-def _link(alpha, theta, d):
-    """Transforms of frame i+1 in frame i, modified DH without a; theta and d are arrays of one length."""
-    theta, d = np.broadcast_arrays(theta, d)
-    c, s, ca, sa = np.cos(theta), np.sin(theta), np.cos(alpha), np.sin(alpha)
-    zero, one = np.zeros_like(c), np.ones_like(c)
-    rows = [[c, -s, zero, zero], [s * ca, c * ca, -sa * one, -sa * d], [s * sa, c * sa, ca * one, ca * d],
-            [zero, zero, zero, one]]
-    return np.moveaxis(np.array(rows), (0, 1), (-2, -1))
-
-
 def _gold_frames(joint):
     """DH frames 1 to 3 of the gold arm in its base frame."""
-    zero = np.zeros(len(joint))
-    first = _link(0.0, joint[:, 0] + np.radians(205), zero)
-    second = first @ _link(np.radians(75), joint[:, 1] + np.pi, zero)
-    third = second @ _link(np.radians(128), zero + np.pi / 2, joint[:, 2])
-    return first, second, third
+    first = link(0, 0, joint[:, 0] + np.radians(205), 0)
+    second = first @ link(np.radians(75), 0, joint[:, 1] + np.pi, 0)
+    return first, second, second @ link(np.radians(128), 0, np.full(len(joint), np.pi / 2), joint[:, 2])
 
 
 def tips(joint):
-    """Tool tip [m] of the gold arm in its base frame, DH frame 6, the tool joints at home."""
-    zero = np.zeros(len(joint))
-    wrist = _gold_frames(joint)[2] @ _link(0.0, zero, zero - 0.47) @ _link(np.pi / 2, zero - np.pi / 2, zero)
-    return (wrist @ _link(np.pi / 2, zero, zero) @ np.eye(4))[:, :3, 3] + 0.013 * wrist[:, :3, 0]
+    """Tool tip [m] of the gold arm in its base frame, the tool joints at home, jaws together."""
+    return forward(0, np.pad(joint, ((0, 0), (0, 4))), -0.47, 0.013)[:, :3, 3]
 
 
 def gravity_compensation(joint):

@@ -27,7 +27,7 @@ def from_quaternion(q):
                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
-def _numbers(element, name, default):
+def numbers(element, name, default):
     values = [float(v) for v in element.get(name, default).split()] if element is not None else \
         [float(v) for v in default.split()]
     if not all(math.isfinite(v) and abs(v) < 1e3 for v in values):
@@ -35,9 +35,9 @@ def _numbers(element, name, default):
     return values
 
 
-def _pose(element):
+def pose(element):
     """(R, p) of an <origin>, of none the identity."""
-    return rotation(*_numbers(element, "rpy", "0 0 0")), np.array(_numbers(element, "xyz", "0 0 0"))
+    return rotation(*numbers(element, "rpy", "0 0 0")), np.array(numbers(element, "xyz", "0 0 0"))
 
 
 def _parse(path):
@@ -52,7 +52,7 @@ def arm_bases(path):
         root = _parse(path)
         joints = root.iter("joint") if root is not None else []
         origins = {j.find("child").get("link"): j.find("origin") for j in joints}
-        return [_pose(origins[name]) for name in ARM_BASES]
+        return [pose(origins[name]) for name in ARM_BASES]
     except (OSError, ElementTree.ParseError, KeyError, ValueError, TypeError, AttributeError):
         return None
 
@@ -126,22 +126,22 @@ def _colour(link, materials):
 def _link_shapes(link, colour):
     shapes = []
     for collision in link.findall("collision"):
-        R, p = _pose(collision.find("origin"))
+        R, p = pose(collision.find("origin"))
         box, rod = collision.find("geometry/box"), collision.find("geometry/cylinder")
         if box is not None:
-            size = _numbers(box, "size", "0 0 0")
+            size = numbers(box, "size", "0 0 0")
             if max(size) < LARGE:
                 shapes += [Shape("plane", corners @ R.T + p, 0.0, link.get("name"), colour)
                            for corners in _box_faces(size)]
         elif rod is not None:
-            half = _numbers(rod, "length", "0")[0] / 2
+            half = numbers(rod, "length", "0")[0] / 2
             ends = np.array([[0.0, 0.0, -half], [0.0, 0.0, half]]) @ R.T + p
-            shapes.append(Shape("rod", ends, _numbers(rod, "radius", "0")[0], link.get("name"), colour))
+            shapes.append(Shape("rod", ends, numbers(rod, "radius", "0")[0], link.get("name"), colour))
     return shapes
 
 
 def _fill(scene, root):
-    materials = {m.get("name"): _numbers(m.find("color"), "rgba", "0 0 0 1") for m in root.findall("material")
+    materials = {m.get("name"): numbers(m.find("color"), "rgba", "0 0 0 1") for m in root.findall("material")
                  if m.find("color") is not None}
     joints = {j.find("child").get("link"): j for j in root.findall("joint")}
     for link in root.findall("link"):
@@ -154,7 +154,7 @@ def _fill(scene, root):
         for _ in range(64):  # up the tree
             if name not in joints:
                 break
-            R, p = _pose(joints[name].find("origin"))
+            R, p = pose(joints[name].find("origin"))
             shapes = [shape.moved(R, p) for shape in shapes]
             name = joints[name].find("parent").get("link")
         scene.shapes += shapes

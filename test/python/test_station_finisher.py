@@ -88,6 +88,7 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
 RENDERER = """#!/usr/bin/python3
 import pathlib, sys, time
 seen = pathlib.Path(__file__).with_name("seen")
+
 for percent in range(0, 100, 10):
     if sys.stderr.isatty():
         sys.stderr.write(f"\\rrender [##..] {percent:3d} % 1 min 20 s left\\033[K")
