@@ -95,6 +95,7 @@ for percent in range(0, 100, 10):
     elif percent % 50 == 0:
         sys.stderr.write(f"render {percent} %\\n")
     sys.stderr.flush()
+
     while sys.stderr.isatty() and f" {percent / 100} " not in seen.read_text():
         time.sleep(0.01)
 sys.stderr.write("\\rrender: over\\033[K\\n")
