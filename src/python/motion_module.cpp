@@ -225,31 +225,36 @@ py::dict plan(Planner& self,
   return describe(withoutLock([&] { return self.plan(request, seed); }));
 }
 
+/** judge(joints) of each row. Ctrl-C ends it within kRowsASignal rows. */
+template <typename T, typename Judge>
+py::array_t<T> ofEachRow(const py::object& joints, const Judge& judge) {
+  constexpr py::ssize_t kRowsASignal = 1000;
+  const Numbers rows = jointRows(joints);
+  py::array_t<T> found(leading(rows, 1, {}));
+  T* const values = found.mutable_data();
+  const py::ssize_t count = found.size();
+  const Unlocked unlocked;
+  for (py::ssize_t i = 0; i < count; ++i) {
+    if (i % kRowsASignal == kRowsASignal - 1) runSignals();
+    values[i] = judge(finiteRow(rows, i));
+  }
+  return found;
+}
+
 py::array_t<bool> inCollision(Planner& self,
                               const std::string& arm,
                               const py::object& joints,
                               const py::object& other) {
-  const Numbers rows = jointRows(joints);
   const JointArray there = jointsOr(other, self.home(), "other");
-  py::array_t<bool> found(leading(rows, 1, {}));
-  bool* const is_in = found.mutable_data();
-  const py::ssize_t count = found.size();
-  const Unlocked unlocked;
-  for (py::ssize_t i = 0; i < count; ++i)
-    is_in[i] = self.inCollision(armOf(arm), finiteRow(rows, i), there);
-  return found;
+  return ofEachRow<bool>(joints, [&](const JointArray& q) { return self.inCollision(armOf(arm), q, there); });
 }
 
-Numbers clearance(Planner& self, const std::string& arm, const py::object& joints, const py::object& other) {
-  const Numbers rows = jointRows(joints);
+py::array_t<double> clearance(Planner& self,
+                              const std::string& arm,
+                              const py::object& joints,
+                              const py::object& other) {
   const JointArray there = jointsOr(other, self.home(), "other");
-  Numbers found(leading(rows, 1, {}));
-  double* const distance = found.mutable_data();
-  const py::ssize_t count = found.size();
-  const Unlocked unlocked;
-  for (py::ssize_t i = 0; i < count; ++i)
-    distance[i] = self.clearance(armOf(arm), finiteRow(rows, i), there);
-  return found;
+  return ofEachRow<double>(joints, [&](const JointArray& q) { return self.clearance(armOf(arm), q, there); });
 }
 
 py::dict rollOut(Planner& self, const std::string& arm, const py::object& waypoints, const py::object& other) {

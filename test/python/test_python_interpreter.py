@@ -79,6 +79,25 @@ many.step(ticks=5)
     assert (done.returncode, done.stdout) == (0, "True\n"), done.stderr
 
 
+@pytest.mark.parametrize("call", ["in_collision", "clearance"])
+def test_ctrl_c_ends_a_call_for_many_rows(tmp_path, call):
+    done = alone("""
+planner = raven2_trainer.Planner()
+rows = np.tile([0.52, 1.57, 0.40, 0.0, 0.0, 0.78, 0.78], (2000000, 1))
+begin = time.process_time()
+getattr(planner, sys.argv[1])("gold", rows[:2000])
+whole = 1000 * (time.process_time() - begin)
+threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+begin = time.process_time()
+try:
+    getattr(planner, sys.argv[1])("gold", rows)
+except KeyboardInterrupt:
+    print(time.process_time() - begin < 0.5 * whole)
+print(getattr(planner, sys.argv[1])("gold", rows[:2000]).shape)
+""", tmp_path, call)
+    assert (done.returncode, done.stdout) == (0, "True\n(2000,)\n"), done.stderr
+
+
 @pytest.mark.parametrize("ticks", [20, 1000000])
 def test_a_thread_that_steps_when_the_program_ends_does_not_abort_it(tmp_path, ticks):
     done = alone("""
