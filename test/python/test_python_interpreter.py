@@ -87,12 +87,15 @@ rows = np.tile([0.52, 1.57, 0.40, 0.0, 0.0, 0.78, 0.78], (2000000, 1))
 begin = time.process_time()
 getattr(planner, sys.argv[1])("gold", rows[:2000])
 whole = 1000 * (time.process_time() - begin)
+
 threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 begin = time.process_time()
+
 try:
     getattr(planner, sys.argv[1])("gold", rows)
 except KeyboardInterrupt:
     print(time.process_time() - begin < 0.5 * whole)
+
 print(getattr(planner, sys.argv[1])("gold", rows[:2000]).shape)
 """, tmp_path, call)
     assert (done.returncode, done.stdout) == (0, "True\n(2000,)\n"), done.stderr
