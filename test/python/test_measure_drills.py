@@ -50,10 +50,15 @@ def test_a_late_answer_of_a_surgeon_who_lets_go_is_not_right(capsys):
 @pytest.mark.parametrize("cue, noticed, let_go, kept, said", [
     ("force", 17, 412, True, "cue: force: right within 5 ms in 1"), ("force", 18, 412, False, "cue: force: right within 6 ms in 1  NOT KEPT"),
     ("ghost", 46, 412, True, "cue: ghost: right within 34 ms in 1"), ("ghost", 47, 412, False, "cue: ghost: right within 35 ms in 1  NOT KEPT"),
-    ("force", 12, 407, True, "answer: right within 5 ms in 1"), ("ghost", 12, 418, False, "answer: right within 6 ms in 1  NOT KEPT")])
+    ("force", 12, 407, True, "answer: right within 5 ms in 1"), ("ghost", 12, -50, False, "answer: right within 300 ms in 1  NOT KEPT"), ("ghost", 12, 418, False, "answer: right within 6 ms in 1  NOT KEPT")])
 def test_times_that_differ_from_the_truth_are_not_kept(capsys, cue, noticed, let_go, kept, said):
     result, lines = printed(capsys, rows("250", ["right"], cue, noticed, let_go=let_go) + rows("none", ["wrong"], cue, 900, 9, 99))
     assert result == kept and said in lines
+
+
+def test_a_pedal_that_was_up_already_answers_100_ms_after_the_cue(capsys):
+    for let_go, kept in ((-50, True), (50, True), (112, True), (118, False)):
+        assert printed(capsys, rows("250", ["right"], answer=112, let_go=let_go))[0] == kept
 
 
 def test_a_cue_that_the_surgeon_noticed_by_the_other_sense_is_not_compared(capsys):
