@@ -53,6 +53,10 @@ class Heard:
         self._lock = threading.Lock()
         self._subscriber = rospy.Subscriber(topic, kind, self._hear, queue_size=None, tcp_nodelay=True)
 
+    def is_over(self):
+        """Whether no publisher is connected: the last message was read before its connection ended."""
+        return self._subscriber.get_num_connections() == 0
+
     def _hear(self, message):
         with self._lock:
             self.messages.append(message)
@@ -88,13 +92,20 @@ class ReplaySession(unittest.TestCase):
     def setUp(self):
         rospy.set_param("/use_sim_time", True)
 
+    def take_all(self):
+        """Of a player that has ended."""
+        end = time.monotonic() + 30
+        while not all(heard.is_over() for heard in self.heard.values()):
+            self.assertLess(time.monotonic(), end, "the connections of a player that has ended")
+            time.sleep(0.05)
+        return {topic: heard.take() for topic, heard in self.heard.items()}
+
     def play(self, *options, seconds=120):
         for heard in self.heard.values():
             heard.take()
         done = subprocess.run([os.path.join(PROGRAMS, "replay_session"), self.session, "--delay", "2", *options],
                               timeout=seconds, stderr=subprocess.PIPE, text=True, check=False)
-        time.sleep(0.5)
-        return done, {topic: heard.take() for topic, heard in self.heard.items()}
+        return done, self.take_all()
 
     def refused(self):
         """Runs a player that refuses to play. @return its messages, and all topics that it published until its end."""
@@ -207,8 +218,7 @@ class ReplaySession(unittest.TestCase):
         time.sleep(4)
         program.send_signal(signal.SIGINT)
         self.assertEqual(program.wait(timeout=5), 0)
-        time.sleep(0.5)
-        stamps = [m.header.stamp.to_nsec() for m in self.heard["model/joint_states"].take()]
+        stamps = [m.header.stamp.to_nsec() for m in self.take_all()["model/joint_states"]]
         first = self.due(int(np.argmax(self.log.ticks["model"]["session_tick"] == 4000)))[0]
         begin = int(self.log.ticks["model"]["time_ns"][first])
         self.assertGreater(stamps.count(begin), 2)

@@ -56,8 +56,8 @@ def test_what_a_caller_takes_away_meanwhile_ends_nothing(program, tmp_path):
 def test_ctrl_c_ends_a_long_step(tmp_path):
     done = alone("""
 simulation = raven2_trainer.Simulation(robot="none")
-threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     simulation.step(ticks=1000000)
 except KeyboardInterrupt:
     print(simulation.state.tick < 1000000)
@@ -69,8 +69,8 @@ simulation.step(ticks=5)
 def test_ctrl_c_ends_many_long_steps(tmp_path):
     done = alone("""
 many = raven2_trainer.VectorSimulation(3, robot="none", threads=2)
-threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 try:
+    threading.Timer(1.0, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     many.step(ticks=1000000)
 except KeyboardInterrupt:
     print(bool((many.tick < 1000000).all()))
@@ -88,10 +88,10 @@ begin = time.process_time()
 getattr(planner, sys.argv[1])("gold", rows[:2000])
 whole = 1000 * (time.process_time() - begin)
 
-threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
 begin = time.process_time()
 
 try:
+    threading.Timer(0.3, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
     getattr(planner, sys.argv[1])("gold", rows)
 except KeyboardInterrupt:
     print(time.process_time() - begin < 0.5 * whole)

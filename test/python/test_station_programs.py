@@ -190,10 +190,11 @@ def test_a_station_that_ends_waits_for_what_is_under_way_and_starts_nothing(know
 def test_a_simulated_surgeon_who_has_finished_is_no_trouble_but_a_crash_is(known, tmp_path, crash):
     made = supervised(tmp_path, known, PROGRAM)
     end = "kill -9 $$" if crash else "exit 0"
-    (tmp_path / "programs/master_console").write_text(f"#!/bin/sh\nsleep 0.5\n{end}\n")
+    (tmp_path / "programs/master_console").write_text(f"#!/bin/sh\nwhile [ ! -e '{tmp_path}/started' ]; do sleep 0.05; done\n{end}\n")
 
     async def session():
         await made.start({"exercise": "pick_hand_over_place", "driver": "expert"})
+        (tmp_path / "started").touch()
         while made.phase != "idle":
             await asyncio.sleep(0.05)
         return made.trouble

@@ -19,7 +19,7 @@ constexpr std::int64_t kDeadlineNs = 20'000'000'000;
 
 TrainerConfig privatePorts() {
   TrainerConfig config = raven2_trainer::testing::packagedConfig();
-  config.network.robot_port = 27191;
+  config.network.robot_port = 27691;
   config.network.state_port = 0;
   return config;
 }
@@ -76,7 +76,7 @@ TEST(RavenServer, AnItpPacketShowsInTheStateFramesWithinTwoCycles) {
   RavenServer server(privatePorts());
   server.start();
   FrameReader reader(server.stateServer().port());
-  net::UdpSender sender("127.0.0.1", 27191);
+  net::UdpSender sender("127.0.0.1", 27691);
   ASSERT_TRUE(reader.readUntil([](const RobotState& s) { return s.cycle > 20; }));
   constexpr std::uint32_t kPackets = 300;
   std::vector<std::uint64_t> cycles;
