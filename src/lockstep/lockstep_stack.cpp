@@ -139,6 +139,14 @@ struct LockstepStack::Impl {
     publishFaultChanges();
     receiveFaultPlan();
     returnState();
+    loseCrashedRobot();
+  }
+
+  /** The system closes the connection of a program that died. */
+  void loseCrashedRobot() {
+    if (is_robot_lost || software.state().program != ProgramState::kCrashed) return;
+    is_robot_lost = true;
+    link.disconnected();
   }
 
   /** Ahead of the state, and before the next plan: of the cycle that was. */
@@ -244,6 +252,7 @@ struct LockstepStack::Impl {
   recording::SessionPlayer player;
   std::uint32_t to_show{0};  // Request::plan of what is shown before the surgeon begins; 0 nothing, or it was asked for
   // the virtual Raven
+  bool is_robot_lost{false};
   raven::ControlSoftware software;
   plant::Plant plant;
   wire::FrameParser to_robot;

@@ -308,6 +308,24 @@ TEST(FaultRuns, OnceTheVirtualRobotIsGoneNothingIsForgedForWhoeverTakesItsPlace)
   }
 }
 
+/** As over sockets: the system closes the connection of a process that died, but not of one that hangs. */
+TEST(FaultRuns, ARobotWhoseProgramCrashedIsDisconnectedAndOneThatHangsIsNot) {
+  for (const FaultKind kind : {FaultKind::kCrash, FaultKind::kHang}) {
+    Whole whole;
+    ASSERT_TRUE(whole.engage());
+    whole.ticks(500);
+    ASSERT_EQ(whole.stack->view().robot.connected, 1);
+    whole.arm(byHand(FaultHost::kRobot, FaultVariable::kProgram, kind, 0.0));
+    whole.ticks(200);
+    const bool crashes = kind == FaultKind::kCrash;
+    EXPECT_EQ(whole.stack->view().robot.connected, crashes ? 0 : 1);
+    EXPECT_EQ(whole.stack->view().model.linked, crashes ? 0 : 1);
+    EXPECT_GT(whole.stack->view().robot.frame, 0U) << "its last state is kept";
+    whole.ticks(500);
+    EXPECT_EQ(whole.stack->view().model.linked, 0) << "silent for 0.5 s";
+  }
+}
+
 TEST(FaultRuns, PacketsThatTheSessionsOwnHazardLosesAreCounted) {
   TrainerConfig config = faultConfig();
   config.hazard = "sudden_jump";
