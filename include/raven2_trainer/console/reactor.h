@@ -19,8 +19,8 @@ struct Reaction {
 /**
  * A surgeon who reacts: as `source`, but `delay` after the first force, or after a ghost in kSeenPictures
  * pictures, the pedal goes up, whatever was being done. After a rest it goes down and the motion goes on where it was.
- * A ghost that stays is answered once. While the robot takes a pedal that is down as up nothing is done: the pedal is
- * pressed again until it follows.
+ * A ghost that stays is answered once. While the robot ignores a pressed pedal, the surgeon only presses it again until
+ * the robot follows.
  * @param[in] truth Gets the times of the cue (felt, seen), of the pedal's release and of its next press. A clutch that
  * had begun may make the release earlier than the reaction. Also gets releases because the robot does not follow
  * (not_followed). May be null, else it must outlive the source.

@@ -106,7 +106,7 @@ struct HazardResponse {
   double peak_force{};  ///< [N] larger hand
   double impulse{};     ///< [Ns] the same
   Tick answer_time{};   ///< [1 ms] from the cue on that an attempt is not charged with; 0 not right
-  Tick release{};       ///< [1 ms] the longest pedal-up that began in the time for an answer; 0 none, or no cue
+  Tick release{};       ///< [1 ms] longest pedal-up in the time for an answer, also if begun before; 0 none, or no cue
   Tick release_needed{};                         ///< [1 ms] that makes one an answer: disengagedFor(); 0 no cue
   std::array<Touches, kPartnerCount> touches{};  ///< of the model in that time; for a caller with the contacts
 };
