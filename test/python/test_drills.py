@@ -147,7 +147,7 @@ def test_drills_are_judged_as_promised(measured):
     with table.open(encoding="ascii") as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 10 and sum(row["cue"] == "force" for row in rows) >= 6
-    assert "cue and answer are right within" in done.stdout and "NOT KEPT" not in done.stdout
+    assert "cue: force: right within" in done.stdout and "answer: right within" in done.stdout and "NOT KEPT" not in done.stdout
 
 
 def test_a_measurement_that_was_interrupted_goes_on_where_it_was(measured):
