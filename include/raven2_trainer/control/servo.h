@@ -23,9 +23,8 @@ constexpr std::size_t kStateCommandCount = 6;
 constexpr std::array<const char*, kStateCommandCount> kStateCommandNames{"enable", "disable", "pause",
                                                                          "resume", "home",    "unhome"};
 
-/** Commands. The goal of a servo command stays in force, also when it is reached. It ends with the next motion command
- * for the same part (six joints, or jaws), a hold, a force on joints or tip, or a stop: pedal up, camera pedal, no
- * path to the goal. */
+/** Commands. The goal of a servo command stays in force, also when it is reached. It ends with the next motion or force
+ * command for the same part (six joints, or jaws), a hold, or a stop: pedal up, camera pedal, no path to the goal. */
 enum class ServoKind : std::uint8_t {
   kState,          ///< ServoCommand::state
   kHold,           ///< stays at the set point; discards all motion and forces
@@ -48,7 +47,7 @@ enum class ServoKind : std::uint8_t {
   kServoForces,    ///< servo_jf: torques and forces on the joints; only on the model, like the next two
   kServoWrench,    ///< servo_cf: force and torque at the tip
   kServoJawForce,  ///< jaw/servo_jf
-  kRatio,          ///< trajectory_j/set_ratio: `number` times move_speed and move_turn_rate, for later moves
+  kRatio,          ///< trajectory_j/set_ratio: `number` times move_speed and move_turn_rate, of moves not begun
   kGravity,        ///< use_gravity_compensation: `number` 0: forces act without gravity compensation
   kTool,           ///< emulate_tool_present: always refused
   kEndTwist,       ///< a node that published servo_cv has gone: the twist ends
@@ -89,8 +88,8 @@ enum class WrenchFrame : std::uint8_t {
   kOrigin,  ///< along the axes of B, with the torque about B's origin
 };
 
-/** Joints of an arm without its jaws, in the robot's own coordinates (raven2.md 2.3): shoulder to wrist, then the jaws'
- * mid-line (kinematics::jawMidline). */
+/** Joints of an arm except its jaws' opening, in the robot's own coordinates (raven2.md 2.3): shoulder to wrist, then
+ * the jaws' mid-line (kinematics::jawMidline). */
 constexpr std::size_t kServoJointCount = 6;
 using ServoJoints = std::array<double, kServoJointCount>;  ///< [rad; m for kInsertion]
 
@@ -106,7 +105,7 @@ struct ServoCommand {
   Vec3 v_B{}, w_B{};           ///< [m/s], [rad/s] kServoTwist, of T in B
   Vec3 force{}, torque{};      ///< [N], [Nm] kServoWrench
   WrenchFrame frame{WrenchFrame::kTip};
-  double jaw{};     ///< [rad] opening (kinematics::jawOpening), or a step; kServoJawForce: opening [Nm]
+  double jaw{};     ///< [rad] opening (kinematics::jawOpening), or a step; kServoJawForce: [Nm] > 0 opens
   double number{};  ///< kRatio, kGravity, kTool
 };
 static_assert(std::is_trivially_copyable<ServoCommand>::value, "travels in a ring");
@@ -143,7 +142,7 @@ struct ServoRefused {
   OperatingState in{OperatingState::kDisabled};
   Arm arm{Arm::kGold};
   std::uint8_t joint{};    ///< kOutOfRange, kTooStrong: 0 to 5 of ServoJoints, 6 the jaws
-  std::uint8_t is_turn{};  ///< 1: `value` in rad, rad/s or Nm; 0: in m, m/s or N
+  std::uint8_t is_turn{};  ///< 1: `value` in rad, rad/s or Nm; 0: m, m/s, N or no unit
   double value{}, limit{};
 };
 static_assert(std::is_trivially_copyable<ServoRefused>::value, "travels in a ring");
@@ -157,7 +156,7 @@ struct ServoArmState {
   RigidPose goal_B{};        ///< goal of the newest move or servo command; without one the set point
   double ratio{1.0};         ///< factor on move_speed and move_turn_rate of new moves
   std::uint32_t run_out{};   ///< twists, rates and forces that timed out, since the start
-  std::uint32_t moves{};     ///< move_* of arm or jaws that began, since the start
+  std::uint32_t moves{};     ///< accepted move_* of arm or jaws, since the start
   std::uint32_t ended{};     ///< motions that met a limit, or a pose without joint positions, on their path
 };
 

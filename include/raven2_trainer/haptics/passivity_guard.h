@@ -16,14 +16,14 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] largest PassivityConfi
  * hand's motion. The link's delay is unknown but bounded. doc/haptics.md has the argument.
  *
  * Observer: the hand's motion arrives late, and the force that then acted on the hand was sent even earlier. For each
- * round trip d of 0, 1, ... max_delay ticks, the observer sums E_d: the work of f_d, the force of d ticks ago, on the
- * motion that arrives now. For the link's true d, E_d is the work at the hand. The hand is at x, and was at x_a when
- * the force began. On the path from x to x_a the force takes work back; a constant force takes back all of it. That
- * part is no gained energy: M_d = E_d - max(0, f_d . (x - x_a)). M is the largest M_d.
+ * round trip d of 0, 1, ... max_delay ticks, the observer sums E_d: the work of f_d, the force of d + 1 ticks ago, on
+ * the motion that arrives now. For the link's true d, E_d is the work at the hand. The hand is at x, and was at x_a
+ * when the force began. On the path from x to x_a the force takes work back; a constant force takes back all of it.
+ * That part is no gained energy: M_d = E_d - max(0, f_d . (x - x_a)). M is the largest M_d.
  *
  * Controller: the allowance is the budget plus the energy that a hand with the least damping has dissipated since the
- * account (of E_d and the allowance) started. When allowance - M is below half the budget, the force is reduced; it
- * is zero when M reaches the allowance. The controller adds no force: over an unknown delay, a damper at this end would
+ * account (of E_d and the allowance) started. When allowance - M is below half the budget, the gain falls; it is zero
+ * when M reaches the allowance. The controller adds no force: over an unknown delay, a damper at this end would
  * push as often as it brakes.
  *
  * Reservoir: allowance - E_d never exceeds `bank`, as in an energy tank with a ceiling (Lee and Huang, IEEE
@@ -32,7 +32,7 @@ constexpr std::size_t kMaxGuardDelay = 400;  ///< [ticks] largest PassivityConfi
  * gives this energy back on the hand's path to x_a. It is stored, not dissipated.
  *
  * The account starts again after a rest: max_delay + PassivityConfig::rest without a force sent or wanted. Real-time
- * safe: fixed size (about 23 KiB), at most max_delay + 1 steps per tick.
+ * safe: fixed size (about 22 KiB), at most max_delay + 1 steps per tick.
  */
 class PassivityGuard {
  public:
@@ -56,7 +56,7 @@ class PassivityGuard {
   /** Factor for the law's force: 1 while allowance - M is at least half the budget or the controller is off, 0 at zero.
    */
   double gain() const noexcept;
-  /** Factor for a force that is reduced first: 1 down to three quarters of the budget, 0 at half of it. */
+  /** Factor for a force that is reduced first: 1 while allowance - M is at least 3/4 of the budget, 0 at half. */
   double yieldingGain() const noexcept;
   double energy() const noexcept { return energy_; }        ///< [J] M
   double allowance() const noexcept { return allowance_; }  ///< [J] limit of energy()

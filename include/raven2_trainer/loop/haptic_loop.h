@@ -13,16 +13,17 @@ namespace raven2_trainer::loop {
 /**
  * Body of the haptic thread. It applies equations 5 and 6 of the paper to the newest states of model and robot. If
  * enabled, it adds guidance along a planned path and a force at the edge of the master's workspace. The passivity
- * controller and a limiter of size and slew bound the sum. If model or robot is stale, not linked or not finite, the
- * force falls to zero. Real-time safe.
+ * controller and a limiter of size and slew bound the sum. If states are stale or unlinked, the force falls
+ * to zero; if not finite, the cue. Real-time safe.
  *
- * Each port has two energy accounts. The account of the total force reduces first the guidance, then the edge force.
- * The account of the total without these two reduces the cue. So the cue never pays for the energy of guidance and
- * edge, and these give nothing once the cue has used the hand's allowance. doc/haptics.md has the bound for the total.
+ * With guidance or edge, each port has two energy accounts. The account of the total force reduces first the guidance,
+ * then the edge force. The account of the total without these two reduces the cue. So the cue never pays for the energy
+ * of guidance and edge, and these give nothing once the cue has used the hand's allowance. doc/haptics.md has the bound
+ * for the total.
  *
  * While a CRTK client holds the pedal (ServoState), the console gets zero force, because its hand moves nothing.
  *
- * A tick is observe(), compute(), account(). HapticState contains everything that one tick passes to the next. So
+ * A tick is observe(), compute(), account(). All that passes between ticks follows from the HapticStates so far. So
  * re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
 class HapticLoop {
@@ -42,11 +43,11 @@ class HapticLoop {
   /** Last: the forces that were given. */
   void account(const HapticState& state) noexcept;
 
-  /** Records are missing: the internal state is unknown until the guards have started again. */
+  /** Records are missing: knowsItself() is false until the guards of both arms rest in the same tick. */
   void forget() noexcept;
   bool knowsItself() const noexcept;
 
-  /** Cells that could not be read in a bounded number of tries. */
+  /** Reads of a StateCell that failed in every try. */
   std::uint64_t staleReads() const noexcept { return stale_reads_; }
 
  private:
@@ -80,7 +81,7 @@ class HapticLoop {
   GuidePath path_{};
   std::uint64_t path_version_{0};
   HapticState last_{};
-  const bool has_fixtures_;  ///< guidance or edge is enabled; without them both accounts are equal
+  const bool has_fixtures_;  ///< guidance or edge is enabled; else one account is enough
   PerArm<haptics::ForceLimiter> limiters_;
   PerArm<haptics::ForceLimiter> fixture_limiters_;  ///< of guidance and edge, before the total is limited
   PerArm<haptics::PassivityGuard> guards_;          ///< of the total force

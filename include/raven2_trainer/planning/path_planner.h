@@ -38,8 +38,8 @@ struct PlanOptions {
   std::string planner;               ///< one of kPlannerNames
   std::uint32_t samples{};           ///< n of Li et al. 2017 (doc/sources.md): collision-free samples before any are
                                      ///< added. Planners that do not take it: see takesSamples()
-  std::uint32_t max_samples{};       ///< FMTstar: limit for samples added after failures; equal to `samples`: no
-                                     ///< additions. The others ignore it
+  std::uint32_t max_samples{};  ///< FMTstar: limit of samples, also those added after failures; equal to `samples`:
+                                ///< no additions. The others ignore it
   std::uint32_t improve_attempts{};  ///< [-] FMTstar: attempts to improve the path; 0: none
   double eta_length{};               ///< eta1 of eq. (1)
   double eta_acceleration{};         ///< eta2 of eq. (1)
@@ -69,7 +69,7 @@ struct PlanStatistics {
   std::uint64_t cost_evaluations{};     ///< integrals of the tip's acceleration
   std::uint64_t clearance_integrals{};  ///< integrals of the clearance term, also those cut short
   std::uint32_t rollouts{};             ///< as PlanProgress::rollouts
-  std::uint32_t failed_rollouts{};      ///< roll-outs in which the arm touched something or left the path
+  std::uint32_t failed_rollouts{};      ///< roll-outs that touched something, left the path or did not rest
   std::uint32_t rounds{};               ///< how often samples were added
   double plain_cost{};                  ///< eq. (1) before the local improvement
   double improved_cost{};               ///< eq. (1) of the path returned
@@ -87,14 +87,15 @@ struct FollowedPath {
   bool free{};                ///< it came to rest at the end and touched nothing
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched; the
                               ///< last one if it did not come to rest within a second
-  double clearance{};         ///< [m] least distance to scene, other arm and itself, at most 50 mm; a lower bound
+  double
+      clearance{};  ///< [m] least distance to scene, other arm, itself: right within max(0.5 mm, 25 %); at most 50 mm
   double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
   double duration{};          ///< [s] of the motion, coming to rest included
   std::vector<double> arrival;  ///< [s] when each waypoint is to be reached
 };
 
 /**
- * Path planner for one arm: six joints at a fixed jaw opening (Li et al. 2017, 2.3), each scaled to 0..1. The search
+ * Plans paths of one arm each: six joints at a fixed jaw opening (Li et al. 2017, 2.3), each scaled to 0..1. The search
  * minimises eq. (1) plus a clearance term; reported costs are eq. (1) alone. With a ModelConfig, a simulated arm must
  * follow a path before it is returned; FCL checks that motion for contact on the shapes of the URDFs. The live ODE
  * world is never used. Not real-time safe. One thread at a time may use a planner; several planners may run in
@@ -154,7 +155,8 @@ class PathPlanner {
   /** Progress of the running or last plan. Lives as long as the planner. Any thread. */
   const PlanProgress& progress() const noexcept;
 
-  /** True if the arm at `q` is nearer than the clearance to the scene, the robot (other arm at `other`) or itself. */
+  /** Whether the arm at `q` is nearer than the clearance to scene, robot's fixed parts, other arm (at `other`) or
+   * itself. */
   bool inCollision(Arm arm, const JointArray& q, const JointArray& other) const;
 
   /** [m] Least distance of the arm at `q` to all that inCollision() judges, at most `cap`; 0 if it touches. Some 0.1

@@ -14,15 +14,15 @@
 namespace raven2_trainer::recording {
 
 /**
- * Body of the recorder thread: queues to the session log and the metrics. The log gets half a second at a time, to
- * compress it together. A record stays in its queue until the log has taken it. So nothing is lost while a disk
+ * Recorder thread's body: moves records from queues to session log and metrics. It writes half a second at a time,
+ * which compresses better. A record stays in its queue until the log has taken it. So nothing is lost while a disk
  * refuses, until the queues are full. Then lost records are counted. A gap record in the log has their number, as soon
  * as the disk takes records again.
  */
 class Recorder {
  public:
   /**
-   * Opens the log in `paths`. `body_names`: PhysicsLoop::bodyNames().
+   * Creates the log in `paths`. `body_names`: PhysicsLoop::bodyNames().
    * @param flight the file that `shared` has its record queues in; null: they do not outlive the process.
    * @throw SessionException.
    */
@@ -33,34 +33,36 @@ class Recorder {
            SharedState* shared,
            session::FlightRecorder* flight = nullptr);
 
-  /** Takes the memory for a batch of all that the queues hold, some 30 MiB: a recorder that comes late needs no more
-   *  then. For one that has its own thread; in lockstep it is taken as it is needed. @throw std::bad_alloc. */
+  /** Allocates some 30 MiB for a batch of full queues, so that a late recorder allocates nothing. Call it for a
+   * recorder thread; lockstep allocates on demand. @throw std::bad_alloc. */
   void takeMemory();
 
   /** Writes all that is waiting. @throw SessionException if the disk refuses. */
   void drain();
 
-  /** Takes what is waiting, and writes it once it is half a second. @throw SessionException if the disk refuses. */
+  /** Collects waiting records; writes them at half a second or a third-full queue. @throw SessionException if the disk
+   * refuses. */
   void follow();
 
   /**
    * As follow(), with patience: if the disk refuses, the records stay in their queues and the disk is tried again every
-   * 0.5 s; a line on stderr reports the first refusal and its end. Forces the log to the disk once a second. Where the
+   * 0.5 s; lines on stderr report the first refusal and its end. Forces the log to the disk once a second. Where the
    * queues do not survive the process, it writes at once.
-   * @param[in] at_once To write what is waiting in any case: the end of the session.
+   * @param[in] now_ns CLOCK_MONOTONIC.
+   * @param[in] at_once Writes what waits, as at the session's end, unless the next try is still to come.
    */
   void drain(std::int64_t now_ns, bool at_once = false);
 
   /**
-   * After the loops stopped: the rest, the footer, metrics.json and faults.json. Call drain() before the counts are
-   * taken: they have to say that the waiting records are written. Records that the disk does not take
-   * become a gap record. @throw SessionException if even the footer does not fit; the queues' file is then left for a
+   * After the loops stopped: writes remaining records, counts, metrics.json and faults.json. Call drain() before you
+   * take the counts: they must count waiting records as written. Records that the disk does not take become a gap
+   * record. @throw SessionException if counts or JSON files do not fit; without counts, the queues' file stays for a
    * recovery.
    */
   void finish(SessionCounts counts);
 
  private:
-  /** How far the log goes: the queues up to `tails`. */
+  /** The log has the queues' records up to `tails`. */
   struct Progress {
     RecordTally tails{}, dropped{};
     Tick tick{-1};
@@ -86,8 +88,8 @@ class Recorder {
   session::FlightRecorder* flight_;
   training::MetricsAccumulator metrics_;
   Progress written_;                ///< in the file; `dropped`: lost records that gap records report
-  Progress collected_;              ///< in the log's batch, too
-  std::vector<RecordTally> order_;  ///< tails after each collect() of the batch: the metrics see the log's order
+  Progress collected_;              ///< in file or batch
+  std::vector<RecordTally> order_;  ///< tails after each collect(): the metrics get records in the log's order
   RecorderStatus status_{};
   int refused_since_gap_{0};  ///< errno
   std::int64_t retry_ns_{0}, sync_ns_{0};

@@ -10,9 +10,9 @@
 
 // The session log, session.rlog, is append-only: the authoritative record of a session. Each record has magic, type,
 // version, payload length, record number, payload and CRC-32. The first record describes every record's fields in JSON,
-// so that a reader in any language needs nothing else (example: scripts/raven2_session.py). Records are written field
-// by field, so the bytes depend only on the values. A large batch is compressed to records of type `chunk`; readers
-// give the records in it as if they were in the file. Format: doc/session.md.
+// so that a reader in any language needs only doc/session.md (example: scripts/raven2_session.py). Records are written
+// field by field, so the bytes depend only on the values. A large batch is compressed to records of type `chunk`;
+// readers give the records in it as if they were in the file.
 
 namespace raven2_trainer::session {
 
@@ -42,7 +42,7 @@ struct LogHeader {
   std::vector<std::string> scenarios;                                        ///< names; Fault::id is the position + 1
   std::string hazard;                                                        ///< armed at the start, or "none"
   std::string robot_urdf_hash, scene_urdf_hash, config_hash;                 ///< FNV-1a, hex
-  std::string exercise{"none"}, drill{"none"}, trainee, curriculum{"none"};  ///< as in trainer.yaml
+  std::string exercise{"none"}, drill{"none"}, trainee, curriculum{"none"};  ///< names; drill: the scenario's
   double motion_scale{};                                                     ///< [-] of the master, as configured
   HeaderHand hand{};
   HeaderCamera camera{};
@@ -64,8 +64,8 @@ struct LogPosition {
 };
 
 /**
- * Writes one log. write() adds a record to a batch. commit() appends the batch to the file, compressed if it has 32 KiB
- * or more, so that a killed process leaves complete batches and at most one incomplete batch. Not for real-time
+ * Writes one log. write() adds a record to a batch. commit() appends the batch to the file (compressed from 32 KiB
+ * on). A killed process leaves complete batches and at most one incomplete batch. Not for real-time
  * threads. While a LogWriter exists, other processes cannot recover the log. @throw SessionException if the file cannot
  * be opened or written: from the constructors and finish(), and from write(), which commits a batch over 16 MiB.
  */
@@ -82,7 +82,7 @@ class LogWriter {
 
   template <typename T>
   void write(const T& record);
-  /** Allocates a batch of `bytes` and touches every page, so that write() need not allocate, and commit() hardly. */
+  /** Allocates a batch of `bytes` and touches every page: write() then allocates nothing, commit() almost nothing. */
   void reserve(std::size_t bytes);
   /**
    * Appends the batch. @return false if the write fails: the file is unchanged, the batch is discarded, and error()
@@ -93,7 +93,7 @@ class LogWriter {
   bool sync() noexcept;
   /** Position after the last committed record. */
   LogPosition position() const noexcept;
-  /** errno of the last failed write; 0 if no write failed. */
+  /** errno of the last failed write or sync(); 0: no failure. */
   int error() const noexcept;
   /** Writes the batch and the counters, which mark a clean end, into reserved disk space. */
   void finish(const SessionCounts& counts);

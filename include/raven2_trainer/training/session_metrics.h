@@ -47,15 +47,15 @@ struct Injection {
   Fault fault{};  ///< id 0: the log does not have the row
   std::string name;
   Tick inject_tick{};   ///< [1 ms] session tick of the report that it began; -1: before the first pedal-down
-  Tick clear_tick{-1};  ///< session tick of the report that it ended, or of the robot's loss; -1: none, or as above
+  Tick clear_tick{-1};  ///< session tick of the report that it ended, or of the robot's loss; -1: neither, or as above
   std::uint64_t inject_cycle{};  ///< [1 ms] robot's clock: first cycle with a fault of the robot, else its newest cycle
   std::uint64_t clear_cycle{};   ///< the same, first cycle without the fault; 0: it did not end
   bool is_merged{};              ///< from usb_truth.json: both cycles are counts of the library, not the robot's clock
   bool is_assumed{};             ///< the end was not reported: the robot was lost
-  Tick observe_tick{-1};         ///< FaultEvent::onset_tick of the first event with one from inject_tick on; -1: never
+  Tick observe_tick{-1};         ///< onset_tick of the first event from inject_tick to clear_tick with one; -1: never
 };
 
-/** A plan whose execution was requested. */
+/** An armed plan or a trial. */
 struct Execution {
   ExecutionReport report{};
   Tick start_tick{-1};  ///< [1 ms] session tick of the pedal-down; -1: it never came, or is not in the log

@@ -8,7 +8,7 @@
 #include "raven2_trainer/wire/itp_key.h"
 
 // Signed ITP: a packet of 124 bytes and a trailer of 32. An unmodified Raven reads 124 bytes and uses them; a receiver
-// with the key knows who sent them, and when. Bytes and handshake: doc/wire.md.
+// with the key verifies sender, session and order. Bytes and handshake: doc/wire.md.
 
 namespace raven2_trainer::wire {
 
@@ -16,8 +16,8 @@ constexpr std::size_t kTrailerSize = 32;
 constexpr std::size_t kSignedItpSize = kItpSize + kTrailerSize;
 constexpr std::size_t kNonceSize = 32;
 constexpr std::size_t kTagSize = 16;
-/** Of both messages of the handshake: smaller than a packet, so that a Raven throws it away by its size; the answer is
- *  no larger than the question, so that nobody can be flooded with answers. */
+/** Size of both handshake messages. Smaller than a packet, so a Raven drops them; the answer is no larger than the
+ *  question, so answers do not amplify a flood. */
 constexpr std::size_t kHandshakeSize = 8 + kNonceSize + kTagSize;
 static_assert(kHandshakeSize < kItpSize, "a Raven must not take it for a packet");
 
@@ -25,10 +25,10 @@ using Nonce = std::array<std::uint8_t, kNonceSize>;
 using SignedItpBytes = std::array<std::uint8_t, kSignedItpSize>;
 using HandshakeBytes = std::array<std::uint8_t, kHandshakeSize>;
 
-/** Whom a session is meant for: what was signed for the one is worth nothing to the other. */
+/** Receiver of a session. It rejects packets that were signed for the other receiver. */
 enum class Audience : std::uint8_t { kDaemon = 1, kRobot = 2 };
 
-/** First message, sender to receiver: the sender's nonce under the key. */
+/** First message, sender to receiver: the sender's nonce, with a tag by the key. */
 HandshakeBytes encodeHello(const ItpKey& key, Audience audience, const Nonce& sender) noexcept;
 /** @return kNone, kWrongSize, kBadFrame (no hello, or for another audience) or kBadSignature. */
 Reject decodeHello(const ItpKey& key,
@@ -50,12 +50,11 @@ Reject decodeChallenge(const ItpKey& key,
                        std::size_t size,
                        Nonce* receiver) noexcept;
 
-/** Session keys that both sides derive from key and nonces: signs and verifies. Wiped at its end. Real-time safe: some
- * 0.4 us and no
- *  allocation a packet. */
+/** Signs and verifies with the session key, which both sides derive from key and nonces. The destructor wipes it.
+ *  Real-time safe: about 0.4 us a packet, no allocation. */
 class ItpSession {
  public:
-  ItpSession() noexcept = default;  ///< of nobody: verify() is always false
+  ItpSession() noexcept = default;  ///< not open: verify() is always false
   ItpSession(const ItpKey& key, Audience audience, const Nonce& sender, const Nonce& receiver) noexcept;
   ItpSession(const ItpSession&) noexcept = default;
   ItpSession& operator=(const ItpSession&) noexcept = default;
@@ -68,7 +67,7 @@ class ItpSession {
   /** @param[in] counter 1 more each packet; never twice in a session. */
   SignedItpBytes sign(const ItpBytes& itp, std::uint64_t counter) const noexcept;
 
-  /** Whether the tag of these kSignedItpSize bytes is ours; compared in constant time. */
+  /** Whether the tag of these kSignedItpSize bytes is valid; compared in constant time. */
   bool verify(const std::uint8_t* bytes) const noexcept;
 
  private:

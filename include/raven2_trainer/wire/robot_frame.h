@@ -15,19 +15,21 @@
 namespace raven2_trainer::wire {
 
 constexpr std::uint32_t kFrameMagic = 0x54325652;  ///< "RV2T" in memory
-// Another major version is refused. A newer minor one may only append to payloads and add types: both are passed over.
+// Another major version is refused. A newer minor one may append to payloads (decoders ignore it) and add types
+// (callers ignore them).
 constexpr std::uint8_t kFrameMajor = 4;
 constexpr std::uint8_t kFrameMinor = 0;
 constexpr std::size_t kFrameHeaderSize = 20;
 constexpr std::size_t kMaxPayload = 4096;
 
 enum class FrameType : std::uint16_t {
-  kHello = 1,         ///< robot -> daemon, first: what it is
+  kHello = 1,         ///< robot -> daemon, first: virtual or real
   kState = 2,         ///< robot -> daemon, every control cycle
   kFaultPlan = 3,     ///< daemon -> robot: arm exactly these faults, and no others
-  kFaultSignals = 4,  ///< daemon -> robot: what their triggers look at, when it changes
-  kFaultChange = 5,  ///< robot -> daemon: a fault began or ended, ahead of the state of that cycle; no fault touches it
-  kPlanAnswer = 6,   ///< robot -> daemon: whether the plan that it sent is armed
+  kFaultSignals = 4,  ///< daemon -> robot: inputs of fault triggers, at each change
+  kFaultChange =
+      5,  ///< robot -> daemon: a fault began or ended; before that cycle's state. Faults never alter this frame
+  kPlanAnswer = 6,  ///< robot -> daemon: whether the plan that it sent is armed
 };
 
 using FrameBytes = std::vector<std::uint8_t>;
@@ -44,7 +46,7 @@ std::size_t encodeFaultSignals(std::uint32_t sequence, const FaultSignals& signa
 std::size_t encodeFaultChange(std::uint32_t sequence, const FaultChange& change, std::uint8_t* out) noexcept;
 std::size_t encodePlanAnswer(std::uint32_t sequence, bool is_armed, std::uint8_t* out) noexcept;
 
-/** "WHO refused: it speaks frame version 3.1, this program 2.0". @param[in] version major << 8 | minor. */
+/** "WHO refused: it speaks frame version 5.0, this program 4.0". @param[in] version major << 8 | minor. */
 std::string refusalText(const std::string& who, std::uint16_t version);
 
 struct Frame {
@@ -58,8 +60,8 @@ struct Frame {
 /** Does it say `virtual`? Every other word, an empty or a longer one too, is a real robot's. */
 bool saysVirtual(const Frame& hello) noexcept;
 
-/** Fills what travels (cycle, time_ns, last_sequence, fault, run level, arms' q, dq, motor, dac, jstate, itp); leaves
- * the rest. @return kNone, or why `*state` is unchanged: kBadFrame (another type), kWrongSize, kNotFinite, kOutOfRange.
+/** Fills the transmitted fields (State in doc/wire.md); leaves the rest. @return kNone, or why `*state` is unchanged:
+ * kBadFrame (another type), kWrongSize, kNotFinite, kOutOfRange.
  */
 Reject decodeState(const Frame& frame, RobotState* state) noexcept;
 
@@ -69,11 +71,11 @@ bool decodeFaultPlan(const Frame& frame, FaultPlan* plan) noexcept;
 /** @return false, `*signals` unchanged, on another type, a wrong size, a negative distance or NaN. */
 bool decodeFaultSignals(const Frame& frame, FaultSignals* signals) noexcept;
 
-/** @return false, `*change` unchanged, on another type, a wrong size, another host than the robot, or what cannot be.
+/** @return false, `*change` unchanged, on another type, a wrong size, a host other than the robot, or an invalid value.
  */
 bool decodeFaultChange(const Frame& frame, FaultChange* change) noexcept;
 
-/** @return false, `*is_armed` unchanged, on another type, a wrong size or neither yes nor no. */
+/** @return false, `*is_armed` unchanged, on another type, a wrong size or a value above 1. */
 bool decodePlanAnswer(const Frame& frame, bool* is_armed) noexcept;
 
 /** Incremental framer: give it bytes as they come, take frames out. Any split of the stream gives the same frames. */
@@ -81,7 +83,7 @@ class FrameParser {
  public:
   FrameParser() { buffer_.reserve(4 * kMaxFrame); }
 
-  /** Appends received bytes. Allocates only if more than 4 * kMaxFrame wait; more than 64 break the stream. */
+  /** Appends received bytes. Allocates above 4 * kMaxFrame waiting; above 64 * kMaxFrame the stream breaks. */
   void feed(const std::uint8_t* bytes, std::size_t size);
 
   enum class Result { kFrame, kNeedMore, kBroken };
@@ -90,7 +92,7 @@ class FrameParser {
    * a frame like any other. */
   Result next(Frame* frame) noexcept;
 
-  /** Is a part of a frame waiting for the rest? */
+  /** Are there bytes that next() has not used? After kNeedMore: a part of a frame. */
   bool hasPart() const noexcept { return buffer_.size() > begin_; }
 
   /** The other side's version where that is why the stream broke: major << 8 | minor; else 0. */
