@@ -36,6 +36,25 @@ Axes axes(const ArmGeometry& geometry, Arm arm, const JointArray& q) noexcept {
   return a;
 }
 
+Pose poseOf(const Walker& tool) noexcept {
+  Pose X_BT;
+  X_BT.R << tool.x, tool.y, tool.z;
+  X_BT.p = tool.p;
+  return X_BT;
+}
+
+Jacobian jacobianOf(const Axes& a) noexcept {
+  const Vector3& tip = a.tool.p;
+  const Vector3 zero = Vector3::Zero();
+  Jacobian J;
+  // Shoulder, elbow and roll pass through the remote centre, the origin. The tip lies on the jaw axis, so that the
+  // mid-line, (grasp2 - grasp1) / 2, only turns it.
+  J.topRows<3>() << a.shoulder.cross(tip), a.elbow.cross(tip), a.shaft, a.shaft.cross(tip),
+      a.wrist.cross(tip - a.p_wrist), zero, zero;
+  J.bottomRows<3>() << a.shoulder, a.elbow, zero, a.shaft, a.wrist, -0.5 * a.tool.z, 0.5 * a.tool.z;
+  return J;
+}
+
 }  // namespace
 
 const char* name(IkStatus status) noexcept {
@@ -56,24 +75,17 @@ void setJaws(double midline, double opening, JointArray* q) noexcept {
 }
 
 Pose forward(const ArmGeometry& geometry, Arm arm, const JointArray& q) noexcept {
-  const Walker tool = axes(geometry, arm, q).tool;
-  Pose X_BT;
-  X_BT.R << tool.x, tool.y, tool.z;
-  X_BT.p = tool.p;
-  return X_BT;
+  return poseOf(axes(geometry, arm, q).tool);
 }
 
 Jacobian jacobian(const ArmGeometry& geometry, Arm arm, const JointArray& q) noexcept {
+  return jacobianOf(axes(geometry, arm, q));
+}
+
+TipMotion tipMotion(const ArmGeometry& geometry, Arm arm, const JointArray& q, const JointArray& dq) noexcept {
   const Axes a = axes(geometry, arm, q);
-  const Vector3& tip = a.tool.p;
-  const Vector3 zero = Vector3::Zero();
-  Jacobian J;
-  // Shoulder, elbow and roll pass through the remote centre, the origin. The tip lies on the jaw axis, so that the
-  // mid-line, (grasp2 - grasp1) / 2, only turns it.
-  J.topRows<3>() << a.shoulder.cross(tip), a.elbow.cross(tip), a.shaft, a.shaft.cross(tip),
-      a.wrist.cross(tip - a.p_wrist), zero, zero;
-  J.bottomRows<3>() << a.shoulder, a.elbow, zero, a.shaft, a.wrist, -0.5 * a.tool.z, 0.5 * a.tool.z;
-  return J;
+  const Eigen::Matrix<double, 7, 1> rates(dq.data());
+  return {poseOf(a.tool), jacobianOf(a).topRows<3>() * rates};
 }
 
 bool isFirstWristPointAtRcm(const ArmGeometry& geometry, const Pose& X_BT) noexcept {

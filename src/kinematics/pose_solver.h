@@ -12,8 +12,9 @@ namespace raven2_trainer::kinematics {
 // [m] Remote centre to jaw axis: below it rounding alone says where the wrist point is.
 constexpr double kOnJawAxis = 1e-12;
 
+/** Most angles need no wrapping, and std::remainder is slow. */
 inline double wrap(double radians) noexcept {
-  return std::remainder(radians, 2.0 * kPi);
+  return std::abs(radians) <= kPi ? radians : std::remainder(radians, 2.0 * kPi);
 }
 
 inline bool isFinite(const JointArray& q) noexcept {

@@ -106,12 +106,10 @@ void ModelArms::describe(Arm arm, bool touches, ArmState* state) const noexcept 
   world_.jointState(arm, &state->q, &state->dq);
   state->q_d = at(q_d_, arm);
   state->contacts = touches ? world_.contacts(arm) : 0;
-  const Pose X_BT = kinematics::forward(geometry_, arm, state->q);
-  const Eigen::Matrix<double, 7, 1> dq(state->dq.data());
-  const Vector3 v_BT = kinematics::jacobian(geometry_, arm, state->q).topRows<3>() * dq;
-  state->p_BT = toArray(X_BT.p);
-  state->v_BT = toArray(v_BT);
-  state->q_BT = toArray(Quaternion(X_BT.R));
+  const kinematics::TipMotion tip = kinematics::tipMotion(geometry_, arm, state->q, state->dq);
+  state->p_BT = toArray(tip.X_BT.p);
+  state->v_BT = toArray(tip.v_BT);
+  state->q_BT = toArray(Quaternion(tip.X_BT.R));
 }
 
 // ---- with the robot, and apart -----------------------------------------------------------------------------------

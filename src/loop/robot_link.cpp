@@ -124,10 +124,9 @@ void RobotLink::publish(std::int64_t received_ns) noexcept {
   ++state_.frame;
   for (const Arm arm : kArms) {
     RobotArmState& robot = at(state_.arms, arm);
-    const Eigen::Matrix<double, 7, 1> dq(robot.dq.data());
-    robot.p_BT = toArray(kinematics::forward(geometry_, arm, robot.q).p);                  // eq. (4)
-    const Vector3 v_BT = kinematics::jacobian(geometry_, arm, robot.q).topRows<3>() * dq;  // eq. (3)
-    robot.v_BT = toArray(v_BT);
+    const kinematics::TipMotion tip = kinematics::tipMotion(geometry_, arm, robot.q, robot.dq);  // eq. (4), (3)
+    robot.p_BT = toArray(tip.X_BT.p);
+    robot.v_BT = toArray(tip.v_BT);
   }
   shared_.robot.store(state_);
 }

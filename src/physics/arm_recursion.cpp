@@ -1,6 +1,6 @@
 #include "physics/arm_recursion.h"
 
-#include <cmath>
+#include "raven2_trainer/kinematics/chain.h"
 
 namespace raven2_trainer::physics {
 namespace {
@@ -57,10 +57,10 @@ PlacedLinks ArmRecursion::place(const Vector7& q) const noexcept {
     const double position = q[static_cast<Eigen::Index>(j)];
     if (link.slides) {
       here.X_WL.p += here.axis * position;
-    } else if (link.along_z != 0.0) {
-      turnAboutZ(std::cos(position), link.along_z * std::sin(position), &here.X_WL.R);
+    } else if (const kinematics::Angle angle = kinematics::angle(position); link.along_z != 0.0) {
+      turnAboutZ(angle.c, link.along_z * angle.s, &here.X_WL.R);
     } else {
-      turn(here.axis, std::cos(position), std::sin(position), &here.X_WL.R);
+      turn(here.axis, angle.c, angle.s, &here.X_WL.R);
     }
     here.com = here.X_WL.R * link.inertial.com;
   }

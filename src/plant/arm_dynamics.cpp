@@ -3,6 +3,7 @@
 #include <string>
 
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/kinematics/chain.h"
 #include "raven2_trainer/kinematics/joint_conventions.h"
 
 namespace raven2_trainer::plant {
@@ -36,9 +37,21 @@ Vector6 crossForce(const Vector6& v, const Vector6& f) noexcept {
   return result;
 }
 
+/** Eigen::AngleAxisd(radians, axis).toRotationMatrix(), bit for bit, with sine and cosine from one call. */
+Matrix3 rotation(const Vector3& axis, double radians) noexcept {
+  const kinematics::Angle angle = kinematics::angle(radians);
+  const Vector3 s = angle.s * axis, v = (1.0 - angle.c) * axis;
+  const double xy = v.x() * axis.y(), xz = v.x() * axis.z(), yz = v.y() * axis.z();
+  Matrix3 R;
+  R << v.x() * axis.x() + angle.c, xy - s.z(), xz + s.y(),  //
+      xy + s.z(), v.y() * axis.y() + angle.c, yz - s.x(),   //
+      xz - s.y(), yz + s.x(), v.z() * axis.z() + angle.c;
+  return R;
+}
+
 Pose jointMotion(const Vector3& axis, bool prismatic, double position) noexcept {
   if (prismatic) return {Matrix3::Identity(), axis * position};
-  return {Eigen::AngleAxisd(position, axis).toRotationMatrix(), Vector3::Zero()};
+  return {rotation(axis, position), Vector3::Zero()};
 }
 
 int jointOfLink(const model::RavenModel& raven, Arm arm, int link) noexcept {

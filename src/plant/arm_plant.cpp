@@ -69,6 +69,7 @@ void ArmPlant::readAxes(const VirtualRavenConfig& config) {
     coulomb_[7 + k] = axis.link_coulomb;
     brake_[k] = j <= kInsertion ? kBrakeTorque / gear : 0.0;
   }
+  has_link_friction_ = !coulomb_.tail<7>().isZero(0.0);
   damping_ = inverse_.transpose() * (kStep * link_damping_).asDiagonal() * inverse_;
 }
 
@@ -114,6 +115,7 @@ void ArmPlant::subStep(const Vector7& torque, const FrictionSolver::Vector& fric
     solveRigid(torque);
   }
   const std::size_t stop_count = findStops();
+  if (!elastic_ && (stop_count > 0 || has_link_friction_)) coupleLinks();
   moveOn(friction_solver_.solve(admittance_, free_, friction, stops_, stop_count));
 }
 
@@ -128,7 +130,11 @@ void ArmPlant::solveRigid(const Vector7& torque) noexcept {
   free_.head<7>().noalias() = W * (inertia * motor_rate_ + kStep * (torque - load));
   free_.tail<7>().noalias() = inverse_ * free_.head<7>();
   admittance_.topLeftCorner<7, 7>() = W;
-  admittance_.bottomLeftCorner<7, 7>().noalias() = inverse_ * W;
+}
+
+/** The rest of a rigid arm's admittance: without stops and friction at the links, nothing depends on it. */
+void ArmPlant::coupleLinks() noexcept {
+  admittance_.bottomLeftCorner<7, 7>().noalias() = inverse_ * admittance_.topLeftCorner<7, 7>();
   admittance_.topRightCorner<7, 7>() = admittance_.bottomLeftCorner<7, 7>().transpose();
   admittance_.bottomRightCorner<7, 7>().noalias() = admittance_.bottomLeftCorner<7, 7>() * inverse_.transpose();
 }

@@ -53,12 +53,14 @@ class ArmPlant {
   Vector7 motorTorques(const std::array<std::int16_t, raven::kChannels>& dac) const noexcept;
   void subStep(const Vector7& torque, const FrictionSolver::Vector& friction) noexcept;
   void solveRigid(const Vector7& torque) noexcept;
+  void coupleLinks() noexcept;
   void solveElastic(const Vector7& torque) noexcept;
   std::size_t findStops() noexcept;
   void moveOn(const FrictionSolver::Vector& rate) noexcept;
 
   Arm arm_;
   bool elastic_;
+  bool has_link_friction_{false};
   double amplifier_limit_;                                       // [counts]
   Vector7 amplifier_offset_, torque_per_count_, torque_offset_;  // [counts], [Nm/count], [Nm]
   Matrix7 coupling_, inverse_;                                   // motor = coupling * joint
@@ -73,7 +75,7 @@ class ArmPlant {
 
   // of one sub-step: rates without dry friction, and what impulses add to them
   FrictionSolver::Vector free_;
-  FrictionSolver::Matrix admittance_;
+  FrictionSolver::Matrix admittance_{FrictionSolver::Matrix::Zero()};
 
   Vector7 motor_, motor_rate_;  // [rad, rad/s]
   Vector7 q_, dq_;              // [rad; m], [rad/s; m/s]

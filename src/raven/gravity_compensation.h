@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "raven2_trainer/kinematics/eigen.h"
 #include "raven2_trainer/raven/virtual_raven_config.h"
 
 namespace raven2_trainer::raven {
@@ -14,7 +15,11 @@ class GravityCompensation {
   std::array<double, 3> torque(const JointArray& q) const noexcept;
 
  private:
+  std::array<Pose, 3> frames(const JointArray& q) const noexcept;
+
   Arm arm_;
+  Matrix3 twist0_, twist1_;                    // before shoulder and elbow
+  Matrix3 shaft_;                              // before the insertion, with its fixed rotation
   std::array<double, 3> capstan_per_joint_{};  // [Nm/Nm; Nm/N]
 };
 

@@ -50,6 +50,13 @@ Pose forward(const ArmGeometry& geometry, Arm arm, const JointArray& q) noexcept
 /** Geometric Jacobian at `q`; the grasper columns are those of the mid-line, -1/2 and +1/2. Real-time safe. */
 Jacobian jacobian(const ArmGeometry& geometry, Arm arm, const JointArray& q) noexcept;
 
+/** Pose of T in B and its velocity [m/s] in B: forward(), and the upper half of jacobian() times `dq`, for less. */
+struct TipMotion {
+  Pose X_BT;
+  Vector3 v_BT;
+};
+TipMotion tipMotion(const ArmGeometry& geometry, Arm arm, const JointArray& q, const JointArray& dq) noexcept;
+
 struct IkResult {
   IkStatus status{IkStatus::kOutOfReach};
   JointArray q{};  ///< [rad; m] valid if isUsable(status), else zero; never NaN

@@ -15,8 +15,11 @@ struct Angle {
   double c{1.0}, s{0.0};
 };
 
+/** glibc's sincos() gives what its sin() and cos() give, in half the time. */
 inline Angle angle(double radians) noexcept {
-  return {std::cos(radians), std::sin(radians)};
+  Angle result;
+  ::sincos(radians, &result.s, &result.c);
+  return result;
 }
 
 /** Constants of the chain that differ between the arms (raven2.md 2.1, 2.2). */

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <set>
 #include <string>
 
 #include "raven2_trainer/core/random.h"
+#include "raven2_trainer/kinematics/chain.h"
 #include "support/effort.h"
 
 namespace raven2_trainer::kinematics {
@@ -403,6 +405,30 @@ TEST(Jacobian, EqualsCentralDifferences) {
       ASSERT_LT((J.block<3, 1>(0, column) - v).norm(), 1e-6);
       ASSERT_LT((J.block<3, 1>(3, column) - w).norm(), 1e-6);
     }
+  }
+}
+
+TEST(TipMotion, IsForwardAndJacobianToTheBit) {
+  const ArmGeometry g = raven();
+  Random random(12);
+  for (int i = 0; i < 2000; ++i) {
+    const Arm arm = i % 2 == 0 ? Arm::kGold : Arm::kGreen;
+    const JointArray q = randomJoints(g, &random), dq = randomJoints(g, &random);
+    const TipMotion tip = tipMotion(g, arm, q, dq);
+    const Pose X_BT = forward(g, arm, q);
+    const Vector3 v_BT = jacobian(g, arm, q).topRows<3>() * Eigen::Map<const Eigen::Matrix<double, 7, 1>>(dq.data());
+    ASSERT_EQ(tip.X_BT.R, X_BT.R);
+    ASSERT_EQ(tip.X_BT.p, X_BT.p);
+    ASSERT_EQ(tip.v_BT, v_BT);
+  }
+}
+
+TEST(Angle, IsTheCosineAndSineOfTheLibraryToTheBit) {
+  Random random(13);
+  for (int i = 0; i < 100000; ++i) {
+    const double radians = random.uniform(-7.0, 7.0) * (i % 2 == 0 ? 1.0 : 0.1);
+    ASSERT_EQ(angle(radians).c, std::cos(radians)) << radians;
+    ASSERT_EQ(angle(radians).s, std::sin(radians)) << radians;
   }
 }
 
