@@ -80,9 +80,11 @@ void FaultEngine::takeOver(const FaultPlan& plan) noexcept {
   std::array<bool, kMaxFaults> goes_on{};
   plan_ = plan;
   plan_.count = std::min<std::uint32_t>(plan.count, kMaxFaults);
+  variables_ = 0;
   const auto* end = old.faults.begin() + (is_same_session ? old.count : 0);
   for (std::size_t i = 0; i < plan_.count; ++i) {
     const Fault& fault = plan_.faults[i];
+    if (fault.host == host_) variables_ |= std::uint64_t{1} << static_cast<unsigned>(fault.variable);
     const auto* same = std::find_if(old.faults.begin(), end, [&](const Fault& f) { return isSame(f, fault); });
     if (same == end) {
       start(fault, &progress_[i]);
@@ -262,7 +264,7 @@ double FaultEngine::corrupted(const Fault& fault, Progress* progress, const Elem
 }
 
 std::int32_t FaultEngine::applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept {
-  if (!isArmed()) return value;
+  if (!hasRow(variable)) return value;
   const double faulted = corrupt(variable, arm, channel, value);
   if (std::isnan(faulted)) return 0;
   return static_cast<std::int32_t>(std::lround(std::clamp(faulted, -2147483648.0, 2147483647.0)));

@@ -23,7 +23,7 @@ struct FaultCycle {
 };
 
 /**
- * Applies the faults of one host, tick by tick. With nothing armed every apply is the identity and costs one branch.
+ * Applies the faults of one host, tick by tick. An apply on a variable without a row costs one branch.
  *
  * Each fault's clock runs from its trigger (FaultTrigger). It is due at `first_tick` and then every `period_ticks`;
  * with trigger pedal_down or step, when it is due with the pedal up, it waits for the next pedal-down cycle. Then it
@@ -59,14 +59,14 @@ class FaultEngine {
 
   /** One element of a variable after its faults. `arm` is ignored for a variable without arms. */
   double apply(FaultVariable variable, Arm arm, std::size_t channel, double value) noexcept {
-    return isArmed() ? corrupt(variable, arm, channel, value) : value;
+    return hasRow(variable) ? corrupt(variable, arm, channel, value) : value;
   }
   /** The same for whole numbers of the robot's program: rounded, at the ends of int32 saturated; NaN gives 0. */
   std::int32_t applyInt(FaultVariable variable, Arm arm, std::size_t channel, std::int32_t value) noexcept;
   /** Every element of an array. */
   template <typename Array>
   void applyAll(FaultVariable variable, Arm arm, Array* values) noexcept {
-    if (!isArmed()) return;
+    if (!hasRow(variable)) return;
     for (std::size_t i = 0; i < values->size(); ++i)
       (*values)[i] = corrupt(variable, arm, i, (*values)[i]);
   }
@@ -114,6 +114,10 @@ class FaultEngine {
 
   static constexpr std::size_t kMaxChanges = 64;  ///< unread ones of a host: each row begins and ends four times
 
+  /** Whether corrupt() can do anything. Most variables have no row in the plan. */
+  bool hasRow(FaultVariable variable) const noexcept {
+    return isArmed() && (variables_ >> static_cast<unsigned>(variable) & 1U) != 0;
+  }
   void start(const Fault& fault, Progress* progress) const noexcept;
   void takeOver(const FaultPlan& plan) noexcept;
   void rearm() noexcept;
@@ -130,6 +134,8 @@ class FaultEngine {
   bool armed_{false};
   bool held_{false};
   FaultPlan plan_{};
+  std::uint64_t variables_{0};  ///< bit i: a row of this host is on variable i
+  static_assert(kFaultVariableCount <= 64);
   std::array<Progress, kMaxFaults> progress_{};
   std::array<FaultChange, kMaxChanges> changes_{};
   std::uint64_t number_{0};  ///< of the newest change
