@@ -58,10 +58,13 @@ class RecordRing {
     std::memcpy(&slot.value, &element, sizeof(T));
     // Padding may differ at each read of `element`: compute the checksum from the slot.
     std::atomic_signal_fence(std::memory_order_seq_cst);
-    slot.check = recordChecksum(slot.value, tail);
+    if (has_checks_) slot.check = recordChecksum(slot.value, tail);
     tail_.store(tail + 1, std::memory_order_release);
     return true;
   }
+
+  /** Before the first push, in memory that ends with the process: saves the checksums, which only a recovery reads. */
+  void omitChecks() noexcept { has_checks_ = false; }
 
   /** Producer: also counts elements that were lost before this ring as dropped. */
   void drop(std::uint64_t count) noexcept { dropped_.fetch_add(count, std::memory_order_relaxed); }
@@ -108,6 +111,7 @@ class RecordRing {
 
  private:
   std::array<Slot, Capacity> slots_{};
+  bool has_checks_{true};
   alignas(64) std::atomic<std::uint64_t> head_{0};
   alignas(64) std::atomic<std::uint64_t> tail_{0};
   alignas(64) std::atomic<std::uint64_t> dropped_{0};

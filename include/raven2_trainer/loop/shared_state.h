@@ -30,8 +30,10 @@ namespace raven2_trainer {
  * on the heap, once.
  */
 struct SharedState {
-  /** Creates its record queues. */
-  SharedState() : SharedState(std::make_unique<RecordRings>()) {}
+  /** Creates its record queues, which end with the process. */
+  SharedState() : SharedState(std::make_unique<RecordRings>()) {
+    records.forEach([](RecordKind /*kind*/, auto& ring) { ring.omitChecks(); });
+  }
   /** Uses `queues`, which must outlive this struct. */
   explicit SharedState(RecordRings* queues)
       : records(*queues),
