@@ -38,10 +38,19 @@ class FieldWriter {
     } else if constexpr (std::is_arithmetic<T>::value) {
       out_.put(value);
     } else if constexpr (IsArray<T>::value) {
-      for (const auto& element : value)
-        write(element);
+      writeArray(value);
     } else {
       visitFields(*this, value);
+    }
+  }
+
+  template <typename T, std::size_t kSize>
+  void writeArray(const std::array<T, kSize>& values) noexcept {
+    if constexpr (std::is_arithmetic<T>::value) {
+      out_.putBytes(values.data(), sizeof(values));
+    } else {
+      for (const T& value : values)
+        write(value);
     }
   }
 
