@@ -414,9 +414,14 @@ class Crtk(unittest.TestCase):
         by = PoseStamped()
         by.pose.position.z, by.pose.orientation.w = 2e-5, 1.0
         rate = rospy.Rate(RATE)
-        for _ in range(250):
+        poses = Topic(f"{arm.name}/setpoint_cp", PoseStamped)
+        until(lambda: poses.newest, 5, "setpoint_cp")
+        for k in range(1, 251):
             arm.say("servo_cr", by)
             rate.sleep()
+            if k % 50 == 0:  # the daemon queues 100
+                until(lambda: abs(poses.newest.pose.position.z - start.pose.position.z - 2e-5 * k) < 5e-5, 5, f"{k} increments")
+        poses.close()
         self.settle()
         end = arm.pose()
         self.assertAlmostEqual(end.pose.position.z - start.pose.position.z, 5e-3, delta=5e-5)
@@ -424,12 +429,19 @@ class Crtk(unittest.TestCase):
         self.check_settled("increments")
         on = TwistStamped()
         on.twist.linear.z = 0.01
+        poses = Topic(f"{arm.name}/setpoint_cp", PoseStamped)
+        until(lambda: poses.newest, 5, "setpoint_cp")
         for _ in range(100):
             arm.say("servo_cv", on)
             rate.sleep()
         arm.say("servo_cv", TwistStamped())
         self.settle()
-        self.assertAlmostEqual(arm.pose().pose.position.z - end.pose.position.z, 5e-3, delta=1.5e-3)  # 0.5 s of it
+        poses.close()
+        moving = [m for before, m in zip(poses.messages, poses.messages[1:]) if distance(before, m) > 5e-6]
+        took = (moving[-1].header.stamp - moving[0].header.stamp).to_sec()  # the daemon's: the client's 0.5 s may be longer
+        way = arm.pose().pose.position.z - end.pose.position.z
+        self.assertAlmostEqual(way, 0.01 * took, delta=1.5e-3)
+        self.assertGreater(way, 3.5e-3)
         self.check_settled("a twist")
         self.stream_poses_to(self.starts)  # those of test 08, back along each axis
 
@@ -447,12 +459,23 @@ class Crtk(unittest.TestCase):
         self.check_settled("move_cp")
         # WHEN the arm is held during the move back
         start = moved(goal, (0.0, 0.0, -0.03))
+        poses, ratio = Topic(f"{arm.name}/setpoint_cp", PoseStamped), Topic(f"{arm.name}/trajectory_j/ratio", Float64)
+        slow = rospy.Publisher(f"{arm.name}/trajectory_j/set_ratio", Float64, queue_size=1)
+        until(lambda: slow.get_num_connections() > 0 and poses.newest and ratio.newest, 5, "the daemon")
+        slow.publish(Float64(data=0.2))  # 7 s for the move: a hold that is late comes in time
+        until(lambda: ratio.newest.data == 0.2, 5, "the ratio")
         arm.say("move_cp", start)
-        until(lambda: distance(arm.pose(), goal) > 0.01, 5, "a third of the move")
+        until(lambda: distance(poses.newest, goal) > 0.01, 5, "a third of the move")
         arm.say("hold", Empty())
         until(lambda: not arm.state.is_busy, 2, "not busy any more")
-        time.sleep(1.0)  # longer than the rest of the move would take
+        held = poses.newest.header.stamp
+        until(lambda: (poses.newest.header.stamp - held).to_sec() > 6.0, 20, "longer than the rest of the move would take")
         self.assertGreater(distance(arm.pose(), start), 0.005, "the move went on after hold")
+        slow.publish(Float64(data=1.0))
+        until(lambda: ratio.newest.data == 1.0, 5, "the ratio")
+        slow.unregister()
+        for topic in (poses, ratio):
+            topic.close()
         arm.joints("move_jp", arm.position())
         arm.say("move_cp", start)
         until(lambda: distance(arm.pose(), start) < 5e-5, 10, "back at the start")
@@ -647,19 +670,33 @@ class Crtk(unittest.TestCase):
         self.assertGreater(timeout, 10.5, "longer than the example sleeps")
         client = rospy.Publisher(f"{arm.name}/servo_cv", TwistStamped, queue_size=10)
         until(lambda: client.get_num_connections() > 0, 5, "the daemon")
-        start, count = arm.pose(), arm.count("warning")
+        poses = Topic(f"{arm.name}/setpoint_cp", PoseStamped)
+        until(lambda: poses.newest, 5, "setpoint_cp")
+        start, count = poses.newest, arm.count("warning")
+
+        def three_seconds():
+            """First and last set point of 3 s of motion, by the daemon's stamps: this process may look late."""
+            moving = [m for m in list(poses.messages) if distance(start, m) > SAME]
+            return next(((moving[0], m) for m in moving if (m.header.stamp - moving[0].header.stamp).to_sec() >= 3.0), None)
+
+        def rests():
+            now = poses.newest
+            old = next((m for m in reversed(list(poses.messages)) if (now.header.stamp - m.header.stamp).to_sec() >= 0.2), None)
+            return old is not None and distance(old, now) < SAME
+
         twist = TwistStamped()
         twist.header.stamp = rospy.Time.now()
         twist.twist.linear.x = 1e-3
         client.publish(twist)
-        rospy.sleep(3.0)
+        first, last = until(three_seconds, 10, "3 s of the twist")
         client.publish(TwistStamped())
-        rospy.sleep(0.2)
-        way = arm.pose().pose.position.x - start.pose.position.x
-        print(f"one twist of 1 mm/s for 3 s: {1e3 * way:.2f} mm")
+        until(rests, 5, "a twist of zero ends it, long before its time-out")
+        poses.close()
+        way, took = last.pose.position.x - first.pose.position.x, (last.header.stamp - first.header.stamp).to_sec()
+        print(f"one twist of 1 mm/s for {took:.3f} s: {1e3 * way:.2f} mm")
         client.unregister()  # before any assertion: the next test needs to be the only client
         said = [m.string for m in arm["warning"].messages[count:]]
-        self.assertAlmostEqual(way, 3e-3, delta=1.5e-4, msg=f"warnings: {said}")
+        self.assertAlmostEqual(way, 1e-3 * took, delta=1.5e-4, msg=f"warnings: {said}")
         self.assertEqual(said, [])
 
     def test_15c_a_twist_ends_with_its_client(self):

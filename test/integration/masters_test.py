@@ -316,13 +316,13 @@ class Masters(unittest.TestCase):
 
     def test_a_pedal_whose_program_is_killed_is_up(self):
         arms = [Crtk(n, "body/servo_cf", "body/set_cf_orientation_absolute") for n in ("MTML", "MTMR")]
-        self.begin("mtm", arms, swap={"  silent_after: 0.0 ": "  silent_after: 0.5 "})
+        self.begin("mtm", arms, swap={"  silent_after: 0.0 ": "  silent_after: 2.0 "})  # a busy machine may stall a program
         self.settle()
         foot = subprocess.Popen(["/usr/bin/python3", "-c", FOOT])
         self.addCleanup(foot.wait)
         self.addCleanup(foot.kill)
         self.await_that(lambda: self.daemon.pedal == 1, "not engaged", 30)
-        time.sleep(1.0)
+        time.sleep(3.0)  # longer than the silence that would lift it
         self.assertEqual(self.daemon.pedal, 1, "a pedal that is held and repeated is up")
         foot.send_signal(signal.SIGKILL)
         self.await_that(lambda: self.daemon.pedal == 0, "a pedal whose program was killed stays down", 5)

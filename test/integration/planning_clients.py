@@ -31,6 +31,11 @@ class Console(threading.Thread):
             self._master.send(pedal, step, green)
             time.sleep(0.001)
 
+    def play(self, packets):
+        """Waits until so many more packets were sent: motion counts packets, and their rate depends on the machine."""
+        last = self._master.sequence + packets
+        until(lambda: self._master.sequence >= last, 60, f"{packets} packets")
+
     def release(self):
         """Releases the pedal. Returns when that was sent [ns]."""
         before = self.released_ns

@@ -13,7 +13,7 @@ from robot_frames import Master, connect, kill_robot
 
 MASTER_PORT, STATE_PORT = 27150, 27153
 PEDAL_UP, PEDAL_DN = 2, 3
-SILENCE = 0.15  # s; after 0.2 the daemon takes the pedal as lifted, and the next packet as a new press
+SILENCE = 3.75  # s; after 5 (run_rostest) the daemon takes the pedal as lifted, and the next packet as a new press
 ATTEMPTS = 4
 
 
@@ -22,7 +22,7 @@ class Console(threading.Thread):
 
     def __init__(self):
         super().__init__(daemon=True)
-        self.pedal, self.step_um = 0, 0
+        self.pedal, self.step_um, self.sent = 0, 0, 0
         self.longest_silence = 0.0
         self._master = Master(MASTER_PORT)
 
@@ -30,8 +30,16 @@ class Console(threading.Thread):
         sent = time.monotonic()
         while True:
             self._master.send(self.pedal, (0, self.step_um, 0))
+            self.sent += 1
             before, sent = sent, time.monotonic()
             self.longest_silence = max(self.longest_silence, sent - before)
+            time.sleep(0.001)
+
+    def hold(self, pedal):
+        """Returns after 100 packets with this pedal; one under way may have the old one."""
+        self.pedal = pedal
+        last = self.sent + 101
+        while self.sent < last:
             time.sleep(0.001)
 
 
@@ -70,7 +78,7 @@ class Relink(unittest.TestCase):
         self.assertGreater(robot.states[-1].last_sequence, 0, "the relay sends nothing, not even a raised pedal")
 
         # and a new pedal-down engages it, where it is
-        console.pedal = 0
+        console.hold(0)
         released = robot.states[-1]
         self.assertIsNotNone(robot.wait(lambda s: s.cycle > released.cycle + 300))
         console.pedal = 1

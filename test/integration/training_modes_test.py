@@ -3,6 +3,7 @@
 console, the pedals and the camera."""
 import os
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -34,13 +35,13 @@ class Repeater(threading.Thread):
 
     def __init__(self, topic, kind, make):
         super().__init__(daemon=True)
-        self.on, self.make, self.sent_at, self.sent = True, make, 0.0, 0
+        self.on, self.make, self.sent_at, self.sent, self.stamp = True, make, 0.0, 0, None
         self._publisher = rospy.Publisher(topic, kind, queue_size=10)
 
     def run(self):
         while True:
             if self.on:
-                self.sent_at = time.monotonic()
+                self.sent_at, self.stamp = time.monotonic(), rospy.Time.now()
                 self._publisher.publish(self.make())
                 self.sent += 1
             time.sleep(0.05)
@@ -184,9 +185,10 @@ class TrainingModes(unittest.TestCase):
         self.held.add("camera")
         # A busy machine may delay our own messages for so long, so there are five attempts.
         self.assertTrue(any(self.stays("camera_moving", 1.0) for _ in range(5)), "held for longer than the silence that releases it")
+        first = len(self.trainer.modes.messages)
         self.pedals.on = False
-        self.trainer.await_mode("pedal_up")
-        silent = time.monotonic() - self.pedals.sent_at
+        up = until(lambda: next((m for m in self.trainer.modes.messages[first:] if m.mode == "pedal_up"), None), 5, "pedal_up")
+        silent = (up.header.stamp - self.pedals.stamp).to_sec()  # the daemon's: this process may hear of it late
         print(f"released {silent:.3f} s after the last message")
         self.assertGreater(silent, SILENCE - 0.01)
         self.assertLess(silent, SILENCE + 0.5)
@@ -234,7 +236,7 @@ class TrainingModes(unittest.TestCase):
         until(lambda: len(self.trainer.progress.messages) > first + 20, 5, "ten messages a second")
         times = [m.elapsed for m in self.trainer.progress.messages[first:first + 21]]
         self.assertEqual(times, sorted(times))
-        self.assertAlmostEqual(times[-1] - times[0], 2.0, delta=0.3)
+        self.assertAlmostEqual(statistics.median(b - a for a, b in zip(times, times[1:])), 0.1, delta=0.015)
         self.assertEqual(self.trainer.call("start_exercise"), "not_now", "while the hand moves")
 
     def test_7_a_recorded_session_is_shown(self):
@@ -260,12 +262,13 @@ class TrainingModes(unittest.TestCase):
             daemon = xmlrpc.client.ServerProxy(rospy.get_master().lookupNode("/raven2_simulator")[2])
             until(lambda: self.is_read_by(daemon, "/record"), 30, "rosbag records all three topics")
             begun = len(self.trainer.events.messages)
-            for _ in range(3):
+            for k in range(3):
                 self.assertEqual(self.trainer.call("start_exercise"), "accepted")
                 self.console.pedal = 1
-                time.sleep(0.5)
+                self.trainer.await_mode("teleoperating")
+                until(lambda: [m.event for m in self.trainer.events.messages[begun:]].count("began") > k, 5, "it begins")
                 self.console.release()
-                time.sleep(0.2)
+                self.trainer.await_mode("pedal_up")
             time.sleep(0.5)
             recorder.send_signal(signal.SIGINT)
             self.assertEqual(recorder.wait(20), 0)

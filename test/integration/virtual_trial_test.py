@@ -66,7 +66,7 @@ class VirtualTrial(unittest.TestCase):
         self.trainer.await_mode("trial")
         for gold, green, seconds in strokes:
             self.console.step_um, self.console.green_um = gold, green
-            time.sleep(seconds)
+            self.console.play(int(1000 * seconds))
         self.console.step_um, self.console.green_um = (0, 0, 0), (0, 0, 0)
         time.sleep(0.1)
         self.console.pedal = 0

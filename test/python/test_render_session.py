@@ -147,19 +147,40 @@ def processes_at(session):
     return found
 
 
-def start(session, processes):
+def start(session, processes, environment=None):
     return subprocess.Popen([PROGRAMS / "render_session", *SMALL, *AT_RATE, session, "--processes", str(processes)],
-                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+
+
+WAITING_FFMPEG = """#!/bin/sh
+case "$*" in *{draft}*) exec setpriv --pdeathsig KILL sh -c 'touch "$0"; exec sleep 900' "{held}" ;; esac
+exec {ffmpeg} "$@"
+"""
+
+
+def waiting_at(folder, draft):
+    """(environment, file): a render with it waits in the ffmpeg of this draft, however fast it is, and then the file exists."""
+    folder.mkdir()
+    (folder / "ffmpeg").write_text(WAITING_FFMPEG.format(draft=draft, held=folder / "held", ffmpeg=shutil.which("ffmpeg")))
+    (folder / "ffmpeg").chmod(0o755)
+    return {**os.environ, "PATH": f"{folder}:{os.environ['PATH']}"}, folder / "held"
+
+
+def await_file(worker, held):
+    while not held.exists():
+        assert worker.poll() is None
+        time.sleep(0.01)
 
 
 def kill(worker, session):
     """Kills a render. The processes that it started must end, too."""
     worker.send_signal(signal.SIGKILL)
     worker.wait()
-    end = time.monotonic() + 120
-    while processes_at(session) and time.monotonic() < end:
+    end, looks = time.monotonic() + 120, 0
+    while looks < 3 and time.monotonic() < end:  # a process that begins a program has no command line for an instant
+        looks = 0 if processes_at(session) else looks + 1
         time.sleep(0.05)
-    assert not processes_at(session), "a killed render leaves no process behind"
+    assert looks == 3, "a killed render leaves no process behind"
 
 
 def kill_after(session, seconds, processes):
@@ -172,11 +193,11 @@ def kill_after(session, seconds, processes):
 
 
 def kill_with_a_part(session):
-    """Kills a render as soon as its first part exists."""
-    worker = start(session, processes=1)
-    while not parts_of(session):
-        assert worker.poll() is None
-        time.sleep(0.01)
+    """Kills a render whose first part exists, in the second one."""
+    environment, held = waiting_at(session.parent / "bin", "draft_00001_")
+    worker = start(session, 1, environment)
+    await_file(worker, held)
+    assert parts_of(session)
     kill(worker, session)
 
 
@@ -289,11 +310,11 @@ def test_again_that_was_killed_goes_on_without_again(brief, tmp_path):
     videos = [directory / "video.mp4" for directory in night]
     render(*night, *FEW)
     before = [made(video) for video in videos]
+    environment, held = waiting_at(tmp_path / "bin", "/b/video.parts/draft_")
     worker = subprocess.Popen([PROGRAMS / "render_session", *SMALL, *night, "--fps", "1", "--again"],
-                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    while made(videos[0]) == before[0] or (night[0] / "video.parts").exists():
-        assert worker.poll() is None
-        time.sleep(0.01)
+                              stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=environment)
+    await_file(worker, held)
+    assert made(videos[0]) != before[0] and not (night[0] / "video.parts").exists()
     kill(worker, tmp_path)
     assert (night[2] / "video.parts").exists() and made(videos[2]) == before[2], "the old video stays until then"
     first = made(videos[0])

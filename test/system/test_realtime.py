@@ -11,7 +11,7 @@ import time
 
 import pytest
 
-from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, listens, wait_until
+from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, listens, urgent, wait_until
 
 NOBODY = 65534
 PEDAL_UP, PEDAL_DOWN = 2, 3
@@ -140,9 +140,10 @@ def wait_for_run_level(stack, level, seconds):
 
 
 def pause_process(process, seconds):
-    process.send_signal(signal.SIGSTOP)
-    time.sleep(seconds)
-    process.send_signal(signal.SIGCONT)
+    with urgent():  # a test that wakes late stops it for longer
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(seconds)
+        process.send_signal(signal.SIGCONT)
 
 
 def test_stops_of_a_tenth_of_a_second_lose_no_simulated_time():

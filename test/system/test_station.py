@@ -1,7 +1,6 @@
 """The station over its WebSocket, with real programs and ROS master: hands, hazards, what is killed. Judges times."""
 
 import asyncio
-import contextlib
 import json
 import os
 import subprocess
@@ -12,7 +11,7 @@ import time
 import numpy as np
 import psutil
 import pytest
-from stack import ROOT, wait_until
+from stack import ROOT, urgent, wait_until
 from station_rig import Page, drive, end_session, engage, start, stop
 
 sys.path.insert(0, os.path.join(ROOT, "scripts"))
@@ -137,17 +136,6 @@ def last_press(pedal):
     """The span of the last press of the pedal."""
     edges = np.diff(np.concatenate([[0], (pedal != 0).astype(int), [0]]))
     return slice(np.flatnonzero(edges > 0)[-1], np.flatnonzero(edges < 0)[-1])
-
-
-@contextlib.contextmanager
-def urgent():
-    """Where it is permitted, this process comes before station and programs: a trainee's page has another computer."""
-    with contextlib.suppress(PermissionError):
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(2))
-    try:
-        yield
-    finally:
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
 
 
 def test_a_killed_station_finds_its_session_again_within_3_s(station):
