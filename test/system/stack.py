@@ -224,8 +224,20 @@ class RobotStates:
 
     HEADER = struct.Struct("<4sHHIII")
 
-    def __init__(self, port):
-        self._socket = socket.create_connection(("127.0.0.1", port), timeout=5)
+    def __init__(self, port, buffer=0):
+        """buffer [bytes]: of a reader that must miss nothing, however long a busy machine stalls it."""
+        self._socket = socket.socket()
+        self._socket.settimeout(5)
+        if buffer:  # before it connects: the buffer bounds the window that it offers
+            try:
+                self._socket.setsockopt(socket.SOL_SOCKET, 33, buffer)  # SO_RCVBUFFORCE
+            except PermissionError:
+                self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, buffer)
+        try:
+            self._socket.connect(("127.0.0.1", port))
+        except OSError:
+            self._socket.close()
+            raise
         self._bytes = b""
 
     def next(self):

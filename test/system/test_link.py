@@ -36,18 +36,23 @@ class Master(threading.Thread):
         self.pedal, self.gold = False, (0, 0, 0)
         self._socket = make_socket(socket.AF_INET, socket.SOCK_DGRAM)
         self._socket.connect(("127.0.0.1", port))
-        self._stopped = False
+        self._stopped, self._sent = False, 0
         self.start()
 
     def run(self):
-        sequence = 0
         while not self._stopped:
-            sequence += 1
+            self._sent += 1
             try:
-                self._socket.send(itp(sequence, self.pedal, self.gold))
+                self._socket.send(itp(self._sent, self.pedal, self.gold))
             except ConnectionRefusedError:
                 pass  # the daemon is not up yet
             time.sleep(0.001)
+
+    def play(self, packets, pedal, gold=(0, 0, 0)):
+        """So many packets, at least a millisecond apart."""
+        self.pedal, self.gold = pedal, gold
+        last = self._sent + 1 + packets
+        wait_until(lambda: self._sent >= last, 30, "packets")
 
     def stop(self):
         self._stopped = True
@@ -60,7 +65,7 @@ class Ticks:
 
     def __init__(self, stack):
         log = raven2_session.Session(stack.output).log
-        self.model, self.robot = log.ticks["model"], log.ticks["robot"]
+        self.model, self.robot, self.commands = log.ticks["model"], log.ticks["robot"], log.commands
         self.time = self.model["time_ns"]
         self.fresh = self.model["robot_fresh"] == 1
         self.age = self.time - self.robot["time_ns"]
@@ -74,6 +79,11 @@ class Ticks:
         found = self.time[condition & (self.time >= begin)]
         assert len(found) > 0
         return int(found[0] - begin)
+
+    def first_press(self, begin):
+        """Time [ns] of the first tick from `begin` on that took a packet with the pedal down."""
+        down = self.commands["tick"][self.commands["command"]["pedal"] != 0]
+        return int(self.time[np.isin(self.model["tick"], down) & (self.time >= begin)][0])
 
     def assert_nothing_old_was_used(self):
         """No tick used a state older than FRAME_AGE, for whatever reason."""
@@ -190,8 +200,7 @@ def test_a_broken_network_is_found_out_and_heals_without_motion(space):
         time.sleep(0.5)
         found, events = [], []
         for number in range(cycles):
-            master.pedal, master.gold = True, ((-1, 1)[number % 2], 0, 0)  # the model follows it during the cut
-            time.sleep(0.4)
+            master.play(400, True, ((-1, 1)[number % 2], 0, 0))  # the model follows it during the cut
             broken = now()
             space.cut(*cut)
             if number == 0:
@@ -203,17 +212,15 @@ def test_a_broken_network_is_found_out_and_heals_without_motion(space):
                 time.sleep(dark.uniform(0.3, 2.5))
             space.heal()
             healed = now()
-            master.pedal, master.gold = False, (0, 0, 0)
-            time.sleep(1.0)
-            pressed = now()
-            master.pedal = True
-            time.sleep(0.3)
-            master.gold = ((5, -5)[number % 2], 0, 0)
-            time.sleep(0.2)
-            events.append((broken, healed, pressed, now()))
+            master.play(1000, False)
+            asked = now()
+            master.play(300, True)
+            master.play(200, True, ((5, -5)[number % 2], 0, 0))
+            events.append((broken, healed, asked, now()))
         master.stop()
         ticks = finish(stack)
 
+    events = [(broken, healed, ticks.first_press(asked), end) for broken, healed, asked, end in events]
     ticks.assert_nothing_old_was_used()
     lost = [ticks.first(ticks.robot["connected"] == 0, events[0][0])]
     linked = (ticks.model["linked"] == 1) & (ticks.robot["runlevel"] == PEDAL_DOWN)
@@ -282,14 +289,15 @@ class Loris(threading.Thread):
 
 
 def served_after(port, seconds=5):
-    """Time [s] until a new reader has its first state. It connects repeatedly, as the daemon does."""
-    begin = time.monotonic()
-    while time.monotonic() < begin + seconds:
+    """Time [s] until the robot made the first state that it sent to a new reader, by the clock that they share. The
+    reader connects repeatedly, as the daemon does."""
+    begin = now()
+    while now() < begin + seconds * 1000 * MS:
         try:
             states = RobotStates(port)
-            states.state()
+            made = states.state()["time_ns"]
             states.close()
-            return time.monotonic() - begin
+            return max(0, made - begin) / (1000 * MS)
         except (EOFError, OSError):
             time.sleep(0.1)
     return seconds
@@ -319,7 +327,7 @@ def test_crowds_that_dribble_and_storms_of_connections_disturb_nobody():
         ready(stack)
         robot = stack.processes["virtual_raven"]
         time.sleep(0.2)
-        states, stop = RobotStates(stack.state_port), threading.Event()
+        states, stop = RobotStates(stack.state_port, buffer=1 << 22), threading.Event()
         states.state()
         start = descriptors(robot)
         cycles, reading = cycles_of(states, stop)

@@ -87,8 +87,7 @@ struct FollowedPath {
   bool free{};                ///< it came to rest at the end and touched nothing
   std::size_t failed_edge{};  ///< not free: edge, from waypoint `failed_edge` to the next one, on which it touched; the
                               ///< last one if it did not come to rest within a second
-  double
-      clearance{};  ///< [m] least distance to scene, other arm, itself: right within max(0.5 mm, 25 %); at most 50 mm
+  double clearance{};         ///< [m] least distance to scene, other arm, itself; within 0.5 mm or 25 %; at most 50 mm
   double tracking_error{};    ///< [m] greatest distance of the tip from its place on the path at that time
   double duration{};          ///< [s] of the motion, coming to rest included
   std::vector<double> arrival;  ///< [s] when each waypoint is to be reached
