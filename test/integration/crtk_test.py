@@ -429,16 +429,13 @@ class Crtk(unittest.TestCase):
         self.check_settled("increments")
         on = TwistStamped()
         on.twist.linear.z = 0.01
-        poses = Topic(f"{arm.name}/setpoint_cp", PoseStamped)
-        until(lambda: poses.newest, 5, "setpoint_cp")
+        begun = time.monotonic()
         for _ in range(100):
             arm.say("servo_cv", on)
             rate.sleep()
+        took = time.monotonic() - begun  # 0.5 s, or longer on a busy machine
         arm.say("servo_cv", TwistStamped())
         self.settle()
-        poses.close()
-        moving = [m for before, m in zip(poses.messages, poses.messages[1:]) if distance(before, m) > 5e-6]
-        took = (moving[-1].header.stamp - moving[0].header.stamp).to_sec()  # the daemon's: the client's 0.5 s may be longer
         way = arm.pose().pose.position.z - end.pose.position.z
         self.assertAlmostEqual(way, 0.01 * took, delta=1.5e-3)
         self.assertGreater(way, 3.5e-3)
@@ -674,11 +671,6 @@ class Crtk(unittest.TestCase):
         until(lambda: poses.newest, 5, "setpoint_cp")
         start, count = poses.newest, arm.count("warning")
 
-        def three_seconds():
-            """First and last set point of 3 s of motion, by the daemon's stamps: this process may look late."""
-            moving = [m for m in list(poses.messages) if distance(start, m) > SAME]
-            return next(((moving[0], m) for m in moving if (m.header.stamp - moving[0].header.stamp).to_sec() >= 3.0), None)
-
         def rests():
             now = poses.newest
             old = next((m for m in reversed(list(poses.messages)) if (now.header.stamp - m.header.stamp).to_sec() >= 0.2), None)
@@ -687,12 +679,14 @@ class Crtk(unittest.TestCase):
         twist = TwistStamped()
         twist.header.stamp = rospy.Time.now()
         twist.twist.linear.x = 1e-3
+        begun = time.monotonic()
         client.publish(twist)
-        first, last = until(three_seconds, 10, "3 s of the twist")
+        rospy.sleep(3.0)
+        took = time.monotonic() - begun  # a busy machine may wake this process late
         client.publish(TwistStamped())
-        until(rests, 5, "a twist of zero ends it, long before its time-out")
+        until(rests, 5, "a twist of zero ends it")
         poses.close()
-        way, took = last.pose.position.x - first.pose.position.x, (last.header.stamp - first.header.stamp).to_sec()
+        way = poses.newest.pose.position.x - start.pose.position.x
         print(f"one twist of 1 mm/s for {took:.3f} s: {1e3 * way:.2f} mm")
         client.unregister()  # before any assertion: the next test needs to be the only client
         said = [m.string for m in arm["warning"].messages[count:]]

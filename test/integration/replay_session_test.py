@@ -224,7 +224,6 @@ class ReplaySession(unittest.TestCase):
         program.send_signal(signal.SIGINT)
         self.assertEqual(program.wait(timeout=5), 0)
         stamps = [m.header.stamp.to_nsec() for m in self.take_all()["model/joint_states"]]
-        stamps = stamps[stamps.index(begin):]  # this node may have been connected within the first loop
         self.assertGreater(stamps.count(begin), 2)
         self.assertEqual([b for a, b in zip(stamps, stamps[1:]) if b < a], [begin] * (stamps.count(begin) - 1))
 

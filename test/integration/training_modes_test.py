@@ -3,7 +3,6 @@
 console, the pedals and the camera."""
 import os
 import signal
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -236,7 +235,7 @@ class TrainingModes(unittest.TestCase):
         until(lambda: len(self.trainer.progress.messages) > first + 20, 5, "ten messages a second")
         times = [m.elapsed for m in self.trainer.progress.messages[first:first + 21]]
         self.assertEqual(times, sorted(times))
-        self.assertAlmostEqual(statistics.median(b - a for a, b in zip(times, times[1:])), 0.1, delta=0.015)
+        self.assertAlmostEqual(times[-1] - times[0], 2.0, delta=0.3)
         self.assertEqual(self.trainer.call("start_exercise"), "not_now", "while the hand moves")
 
     def test_7_a_recorded_session_is_shown(self):

@@ -79,7 +79,7 @@ def listens(port):
 
 @contextlib.contextmanager
 def urgent():
-    """Where it is permitted, this process comes before station and programs: what a test stands for may have another computer."""
+    """Gives this process real-time priority where that is permitted: in use, a trainee's page has its own computer."""
     with contextlib.suppress(PermissionError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(2))
     try:
