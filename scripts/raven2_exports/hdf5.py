@@ -42,6 +42,7 @@ def _write_demo(group, part, fps, scale):
     done, reward = part.ends()
     group.create_dataset("dones", data=done.astype(np.int64))
     group.create_dataset("rewards", data=reward)
+    group.create_dataset("states", (part.length, 0), np.float64)  # MuJoCo's; of other simulators the layout wants it empty
     group.create_dataset("timestamps", data=np.arange(part.length) / fps)
 
 
@@ -60,6 +61,15 @@ def _write_pictures(group, part, pictures, pool, jobs):
         dataset.demand_all(number + 1, part, camera)
 
 
+def _write_next(group):
+    """next_obs, which offline learners read: obs of the next frame, at the end of the last one. Views, which take no space."""
+    for name, stored in group["obs"].items():
+        layout, source = h5py.VirtualLayout(stored.shape, stored.dtype), h5py.VirtualSource(stored)
+        layout[:-1] = source[1:]
+        layout[-1:] = source[-1:]
+        group.create_virtual_dataset(f"next_obs/{name}", layout)
+
+
 def write(parts, path, fps, pictures, jobs):
     bar = Bar(len(parts), "written")
     with h5py.File(path, "w") as file, cancelling(concurrent.futures.ThreadPoolExecutor(jobs)) as pool:
@@ -71,6 +81,7 @@ def write(parts, path, fps, pictures, jobs):
             demo = data.create_group(f"demo_{number}")
             _write_demo(demo, part, fps, scale)
             _write_pictures(demo, part, pictures, pool, jobs)
+            _write_next(demo)
             bar.step(part.facts["session"])
         for split in episode.SPLITS:
             names = [f"demo_{number}" for number, part in enumerate(parts) if part.facts["split"] == split]

@@ -149,9 +149,12 @@ def _copy_video(part, camera, path):
     shutil.copyfile(part.video(camera), path)
 
 
-def _parquet(path, table):
+def _parquet(path, *tables):
+    """One file. Each table is a row group, as lerobot itself writes its episodes: a reader gets one without the others."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    pyarrow.parquet.write_table(table, path, compression="snappy")
+    with pyarrow.parquet.ParquetWriter(path, tables[0].schema, compression="snappy") as file:
+        for table in tables:
+            file.write_table(table)
 
 
 def _described(pictures, table):
@@ -224,7 +227,7 @@ class _Writer:
             entries.append({**entry, "meta/episodes/chunk_index": 0, "meta/episodes/file_index": 0})
             every.append(found)
             if sum(each.nbytes for each in waiting) >= FILE_BYTES or table.number + 1 == len(self.parts):
-                _parquet(self.path / data.format(chunk_index=files // CHUNK, file_index=files % CHUNK), pyarrow.concat_tables(waiting))
+                _parquet(self.path / data.format(chunk_index=files // CHUNK, file_index=files % CHUNK), *waiting)
                 waiting, files = [], files + 1
         _parquet(self.path / "meta/episodes/chunk-000/file-000.parquet", pyarrow.Table.from_pylist(entries))
         _parquet(self.path / "meta/tasks.parquet", _tasks(self.tasks))

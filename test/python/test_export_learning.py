@@ -1,5 +1,6 @@
 """export_session --format hdf5 and lerobot, and make_dataset: read with h5py and pandas and compared with the logs."""
 import concurrent.futures
+import contextlib
 import importlib.machinery
 import json
 import os
@@ -17,6 +18,7 @@ import pytest
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 import raven2_session  # noqa: E402
 import raven2_exports  # noqa: E402
+import published  # noqa: E402
 from raven2_exports import dataset, episode, hdf5  # noqa: E402
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -71,6 +73,35 @@ def test_each_split_has_its_session(data):
     assert lengths == [90, 258, 285] and demos.attrs["total"] == sum(lengths)
     frames = pandas.DataFrame(demos["demo_1/commands"][:], columns=json.loads(demos["demo_1/commands"].attrs["names"]))
     assert len(frames) == 258 and "green_turn_z" in frames and np.isfinite(frames.to_numpy()).all()
+
+
+def test_the_file_is_as_robomimic_describes_it(data):
+    wanted, kinds = published.FORMATS["robomimic"], {"float": "f", "int": "i"}
+    assert published.problems(plain(data[0].attrs), wanted["data"]) == []
+    assert published.problems(json.loads(data[0].attrs["env_args"]), wanted["env_args"]) == []
+    for demo in data[0].values():
+        assert published.problems(plain(demo.attrs), wanted["demo"]) == []
+        for name, (kind, *axes) in wanted["datasets"].items():
+            shape = tuple({"N": demo.attrs["num_samples"], "A": 14}.get(axis, axis) for axis in axes)
+            assert (demo[name].dtype.kind, demo[name].shape) == (kinds[kind], shape), name
+        assert all(stored.shape[0] == demo.attrs["num_samples"] for stored in demo["obs"].values())
+        assert demo["obs/endoscope_image"].dtype == np.uint8 and np.abs(demo["actions"][:]).max() <= 1
+        assert set(demo["next_obs"]) == set(demo["obs"])
+        for name, stored in demo["obs"].items():
+            assert np.array_equal(demo[f"next_obs/{name}"][:], np.concatenate([stored[1:], stored[-1:]])), name
+
+
+def plain(attributes):
+    """As JSON would have them."""
+    return {name: value.item() if isinstance(value, np.generic) else value for name, value in attributes.items()}
+
+
+@pytest.mark.parametrize("value, lines", [
+    ({"a": 1, "b": ["x"]}, []), ({"a": True, "b": []}, [".a: True is not int"]), ({"b": []}, [".a is missing"]),
+    ({"a": 1, "b": ["x", 2]}, [".b[1]: 2 is not str"]), ({"a": 1, "b": [], "d": 0}, [".d is unknown"]), ([], [": [] is no dictionary"]),
+    ({"a": 1, "b": "x"}, [".b: 'x' is no list"]), ({"a": 1, "b": [], "c": "z"}, [".c: 'z' is not = y | null"])])
+def test_a_file_that_is_not_as_published_is_noticed(value, lines):
+    assert published.problems(value, {"a": "int", "b": ["str"], "c?": "= y | null"}) == lines
 
 
 def test_actions_are_commands_on_a_scale_that_policies_have(data):
@@ -356,12 +387,19 @@ class NoParquet(types.ModuleType):
 
     @staticmethod
     def table(columns):
-        return types.SimpleNamespace(columns=columns, nbytes=8)
+        return types.SimpleNamespace(columns=columns, schema=list(columns), nbytes=8)
 
-    @staticmethod
-    def write_table(table, path, compression=""):
-        assert compression == "snappy"
-        path.write_text(json.dumps({name: np.asarray(values).tolist() for name, values in table.columns.items()}))
+    class ParquetWriter(contextlib.AbstractContextManager):
+        def __init__(self, path, schema, compression=""):
+            assert compression == "snappy"
+            self.path, self.columns = path, {name: [] for name in schema}
+
+        def write_table(self, table):
+            for name, values in table.columns.items():
+                self.columns[name] += np.asarray(values).tolist()
+
+        def __exit__(self, *_):
+            self.path.write_text(json.dumps(self.columns))
 
 
 @pytest.fixture(name="lerobot")
@@ -382,8 +420,8 @@ def lerobot_without_pyarrow(monkeypatch):
     forget()
 
 
-def kept_part(folder, name, split, length, success, seed):
-    """An episode's part as make_part() leaves it, without pictures."""
+def kept_part(folder, name, split, length, success, seed, camera=None):
+    """An episode's part as make_part() leaves it, with pictures of at most one camera, 64 by 48."""
     random = np.random.default_rng(seed)
     columns = {column: random.normal(size=(length, len(names))).astype(np.float32) if names else np.full(length, "none")
                for column, (names, _, _) in episode.COLUMNS.items()}
@@ -391,6 +429,9 @@ def kept_part(folder, name, split, length, success, seed):
     np.savez(folder / "table.npz", **columns)
     (folder / "part.json").write_text(json.dumps({"length": length, "task": "peg" if seed % 2 else "ring", "session": name, "split": split,
                                                   "success": success, "seed": seed, "exercise": "none", "hazards": [], "objects": []}))
+    if camera:
+        subprocess.run(["ffmpeg", "-loglevel", "error", "-f", "lavfi", "-i", f"testsrc=size=64x48:rate={FPS}", "-frames:v", str(length),
+                        "-pix_fmt", "yuv420p", folder / f"{camera}.mp4"], check=True)
     return dataset.Part(folder)
 
 
@@ -399,12 +440,10 @@ def test_a_data_set_of_format_3_says_where_each_episode_lies(lerobot, tmp_path, 
     fake, lengths, out = lerobot.pyarrow, (7, 3, 5, 4, 6), tmp_path / "set"
     monkeypatch.setattr(lerobot, "FILE_BYTES", 16)
     monkeypatch.setattr(lerobot, "_tasks", lambda tasks: fake.table({"task": tasks}))
-    fake.concat_tables = lambda tables: fake.table(
-        {name: np.concatenate([np.asarray(each.columns[name]) for each in tables]) for name in tables[0].columns})
-    fake.Table = types.SimpleNamespace(
-        from_pylist=lambda rows: fake.table({name: [row[name] for row in rows] for name in rows[0]}))
-    parts = [kept_part(tmp_path / f"p{i}", f"s{i}", "nominal", length, True, i) for i, length in enumerate(lengths)]
-    lerobot.write(parts, out, FPS, dataset.Pictures((), (64, 64), ""), 2, "3.0")
+    fake.Table = types.SimpleNamespace(from_pylist=lambda rows: types.SimpleNamespace(
+        columns={name: np.array([row[name] for row in rows], object) for name in rows[0]}, schema=list(rows[0])))
+    parts = [kept_part(tmp_path / f"p{i}", f"s{i}", "nominal", length, True, i, "top") for i, length in enumerate(lengths)]
+    lerobot.write(parts, out, FPS, dataset.Pictures(("top",), (64, 48), ""), 2, "3.0")
     info = json.loads((out / "meta/info.json").read_text())
     found = json.loads((out / "meta/episodes/chunk-000/file-000.parquet").read_text())
     assert found["length"] == list(lengths) and found["data/file_index"] == [0, 0, 1, 1, 2]
@@ -414,6 +453,28 @@ def test_a_data_set_of_format_3_says_where_each_episode_lies(lerobot, tmp_path, 
         assert rows["index"] == list(range(first, last))
     action = np.concatenate([part.columns()["action"] for part in parts]).astype(float)
     assert json.loads((out / "meta/stats.json").read_text())["action"]["mean"] == pytest.approx(action.mean(0))
+    wanted = published.FORMATS["lerobot 3.0"]
+    assert published.problems(info, wanted["info"]) == []
+    for row in ({name: values[i] for name, values in found.items()} for i in range(len(lengths))):
+        stats = {name: {key: row.pop(f"stats/{name}/{key}") for key in wanted["stats"]} for name in lerobot_numbers(info)}
+        video = {key: row.pop(f"videos/{CAMERA}/{key}") for key in wanted["episode_video"]}
+        assert (out / info["video_path"].format(video_key=CAMERA, chunk_index=0, file_index=row["episode_index"])).exists()
+        assert published.problems(row, wanted["episode"]) == []
+        assert published.problems(stats, {"*": wanted["stats"]}) + published.problems(video, wanted["episode_video"]) == []
+    stats = json.loads((out / "meta/stats.json").read_text())
+    assert set(stats) == set(lerobot_numbers(info)) and published.problems(stats, {"*": wanted["stats"]}) == []
+
+
+CAMERA = "observation.images.top"
+
+
+def lerobot_numbers(info):
+    """Names of the columns with statistics. The indices and a camera are described as lerobot does it."""
+    features, wanted = info["features"], published.FORMATS["lerobot features"]
+    assert published.problems({name: features[name] for name in wanted["indices"]}, wanted["indices"]) == []
+    if info["video_path"]:
+        assert published.problems(features[CAMERA], wanted["video"]) == [] and features[CAMERA]["shape"] == [48, 64, 3]
+    return [name for name, feature in features.items() if feature["dtype"] != "string"]
 
 
 def test_a_lerobot_data_set_describes_its_episodes(lerobot, tmp_path):
@@ -441,6 +502,10 @@ def test_a_lerobot_data_set_describes_its_episodes(lerobot, tmp_path):
             assert found[name] == pytest.approx(of(action.astype(float), axis=0)), name
         assert found["count"] == [length] and "truth.hazard" not in stats[number]["stats"]
         first += length
+    wanted = published.FORMATS["lerobot 2.1"]
+    assert published.problems(info, wanted["info"]) == [] and {name for each in stats for name in each["stats"]} == set(lerobot_numbers(info))
+    for name, rows in (("episode", episodes), ("task", tasks), ("episode_stats", stats)):
+        assert published.problems(rows, [wanted[name]]) == []
 
 
 def test_the_statistics_of_pictures_are_those_of_their_values(lerobot):
