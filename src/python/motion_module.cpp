@@ -7,6 +7,7 @@
 #include <future>
 #include <memory>
 #include <mutex>
+#include <sstream>
 
 #include "python/arrays.h"
 #include "python/constructed.h"
@@ -117,6 +118,24 @@ py::tuple inverseOf(const Kinematics& self,
 
 // ---- planner
 
+/** [rad; m] as of a robot's state (wire/robot_frame.cpp). An assertion of FCL's distance fails from some 1e8 on. */
+constexpr double kFarthestJoint = 1e4;
+
+/** @return q. @throw std::invalid_argument. */
+const JointArray& plannable(const JointArray& q, const std::string& what) {
+  for (const double x : q) {
+    if (std::abs(x) <= kFarthestJoint) continue;
+    std::ostringstream text;
+    text << what << ": " << x << " is not between -10000 and 10000 rad or m";
+    throw std::invalid_argument(text.str());
+  }
+  return q;
+}
+
+JointArray plannableOf(const py::object& given, const std::string& what) {
+  return plannable(arrayOf<JointArray>(given, what), what);
+}
+
 /** One planner and its scene; calls wait for each other. */
 class Planner : public Constructed {
   /** On another thread: the caller runs signals meanwhile. @throw what they throw; then the work is cancelled. */
@@ -198,7 +217,7 @@ py::dict describe(const PlanResult& result) {
 }
 
 JointArray jointsOr(const py::object& given, const JointArray& otherwise, const std::string& what) {
-  return given.is_none() ? otherwise : arrayOf<JointArray>(given, what);
+  return given.is_none() ? otherwise : plannableOf(given, what);
 }
 
 py::dict plan(Planner& self,
@@ -209,7 +228,7 @@ py::dict plan(Planner& self,
               std::uint64_t seed) {
   PlanRequest request;
   request.arm = armOf(arm);
-  request.start = arrayOf<JointArray>(start, "start");
+  request.start = plannableOf(start, "start");
   request.other = jointsOr(other, self.home(), "other");
   const Numbers numbers = numbersOf(goal);
   PyErr_Clear();
@@ -220,7 +239,7 @@ py::dict plan(Planner& self,
     request.goal_W = arrayOf<Vec3>(goal, "goal");
   } else {
     request.goal = GoalKind::kJoints;
-    request.goal_q = arrayOf<JointArray>(goal, "goal");
+    request.goal_q = plannableOf(goal, "goal");
   }
   return describe(withoutLock([&] { return self.plan(request, seed); }));
 }
@@ -236,7 +255,7 @@ py::array_t<T> ofEachRow(const py::object& joints, const Judge& judge) {
   const Unlocked unlocked;
   for (py::ssize_t i = 0; i < count; ++i) {
     if (i % kRowsASignal == kRowsASignal - 1) runSignals();
-    values[i] = judge(finiteRow(rows, i));
+    values[i] = judge(plannable(finiteRow(rows, i), "joints"));
   }
   return found;
 }
@@ -262,7 +281,7 @@ py::dict rollOut(Planner& self, const std::string& arm, const py::object& waypoi
   if (rows.ndim() != 2) throw std::invalid_argument("waypoints: expected an array of shape (n, 7)");
   std::vector<JointArray> path;
   for (py::ssize_t i = 0; i < rows.shape(0); ++i)
-    path.push_back(finiteRow(rows, i));
+    path.push_back(plannable(finiteRow(rows, i), "waypoints"));
   const JointArray there = jointsOr(other, self.home(), "other");
   const planning::FollowedPath followed = withoutLock([&] { return self.rollOut(armOf(arm), path, there); });
   py::dict out;
@@ -298,7 +317,7 @@ void addPlanner(py::module_* module) {
       .def(
           "edge_cost",
           [](Planner& self, const std::string& arm, const py::object& a, const py::object& b) {
-            const JointArray from = arrayOf<JointArray>(a, "a"), to = arrayOf<JointArray>(b, "b");
+            const JointArray from = plannableOf(a, "a"), to = plannableOf(b, "b");
             const Unlocked unlocked;
             return self.edgeCost(armOf(arm), from, to);
           },

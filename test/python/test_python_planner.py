@@ -158,6 +158,18 @@ def test_what_cannot_be_planned_says_why(planner, home):
             planner.plan(*arguments)
 
 
+def test_joints_far_outside_any_robot_are_refused(planner, home):
+    """FCL's distance ends the process there."""
+    far = home[0] + [0, 0, -1e300, 0, 0, 0, 0]
+    for call in (lambda: planner.plan("gold", far, home[0]), lambda: planner.plan("gold", home[0], far), lambda: planner.clearance("gold", far),
+                 lambda: planner.plan("gold", home[0], home[0], other=far), lambda: planner.in_collision("gold", [home[0], far]),
+                 lambda: planner.clearance("gold", home[0], other=far), lambda: planner.roll_out("gold", [home[0], far]),
+                 lambda: planner.edge_cost("gold", far, home[0]), lambda: planner.edge_cost("gold", home[0], far)):
+        with pytest.raises(ValueError, match="not between -10000 and 10000"):
+            call()
+    assert planner.clearance("gold", np.clip(far, -1e4, 1e4)) >= 0
+
+
 @pytest.mark.parametrize("kind", [complex, str, bool])
 def test_a_place_of_other_kinds_is_refused(kind):
     with pytest.raises(ValueError, match="p, R"):
