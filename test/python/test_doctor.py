@@ -1,5 +1,6 @@
 """scripts/doctor: each check reports the faults of an environment made here, and says what to do about them."""
 
+import contextlib
 import errno
 import json
 import os
@@ -239,14 +240,24 @@ def test_a_master_that_hangs_is_given_up(here, monkeypatch):
 # ---- ports -----------------------------------------------------------------------------------------------------------
 
 def free_ports():
-    """Five that nobody holds now: three UDP and one more, one TCP."""
-    sockets = [socket.socket(socket.AF_INET, kind) for kind in [socket.SOCK_DGRAM] * 4 + [socket.SOCK_STREAM]]
-    for link in sockets:
-        link.bind(("127.0.0.1", 0))
-    numbers = [link.getsockname()[1] for link in sockets]
-    for link in sockets:
-        link.close()
+    """Five that nobody holds now, neither for UDP nor for TCP."""
+    with contextlib.ExitStack() as held:
+        numbers = [free_for_both(held) for _ in links.PORTS]
     return dict(zip(links.PORTS, numbers))
+
+
+def free_for_both(held):
+    while True:
+        with contextlib.ExitStack() as mine:
+            pair = [mine.enter_context(socket.socket(socket.AF_INET, kind)) for kind in (socket.SOCK_STREAM, socket.SOCK_DGRAM)]
+            pair[0].bind(("127.0.0.1", 0))
+            number = pair[0].getsockname()[1]
+            try:
+                pair[1].bind(("127.0.0.1", number))
+            except OSError:
+                continue
+            held.push(mine.pop_all())
+            return number
 
 
 def write_network(place, numbers, address="127.0.0.1"):
