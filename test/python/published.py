@@ -19,7 +19,7 @@ def _fits(value, described):
 
 
 def problems(value, described, place=""):
-    """What of a value is not as described, a line each."""
+    """Differences between value and description, a line each."""
     if isinstance(described, str):
         return [] if any(_fits(value, each) for each in described.split(" | ")) else [f"{place}: {value!r} is not {described}"]
     if isinstance(described, list):
