@@ -9,8 +9,8 @@
 namespace raven2_trainer::loop {
 
 /**
- * Sums the contacts of each pair of bodies and passes each sum to `use(const ContactRecord&)`. A score or a plot needs
- * only partners, place and force: a third of the bytes. The list is sorted by pair. Real-time safe if `use` is.
+ * Merges the contacts of each pair of bodies and passes each record to `use(const ContactRecord&)`. A score or a plot
+ * needs only partners, place and force. The list is sorted by pair. Real-time safe if `use` is.
  */
 template <typename Use>
 void forEachPair(const ContactList& list, Use&& use) {

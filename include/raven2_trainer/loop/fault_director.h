@@ -8,13 +8,13 @@ namespace raven2_trainer::loop {
 /**
  * Body of the faults thread: decides which scenarios are armed. A fault's row determines when it acts.
  *
- * A drill is armed for one attempt. The attempt's end cancels faults that have not begun, and stops those that act. The
- * next attempt arms the drill again with a new jitter. A request that clears or starts its scenario ends the drill for
- * good.
+ * A drill's scenario is armed per attempt. The attempt's end cancels faults that have not begun, and stops those that
+ * act. The next attempt arms it again with a new jitter. A request that clears or starts its scenario ends the drill
+ * for good.
  */
 class FaultDirector {
  public:
-  /** Arms config.hazard; a drill is armed for the first attempt. */
+  /** Arms the drill's scenario for the first attempt; without a drill, library.hazard. */
   FaultDirector(const faults::FaultLibrary& library, SharedState* shared);
   void tick();
   /** Faults that are armed from now on draw from this seed instead of the configuration's. */

@@ -11,19 +11,19 @@
 namespace raven2_trainer::loop {
 
 /**
- * Body of the haptic thread. It applies equations 5 and 6 of the paper to the newest states of model and robot. If
+ * Body of the haptic thread. It applies eqs. 5, 6 of Li et al. 2017 to the newest states of model and robot. If
  * enabled, it adds guidance along a planned path and a force at the edge of the master's workspace. The passivity
  * controller and a limiter of size and slew bound the sum. If states are stale or unlinked, the force falls
- * to zero; if not finite, the cue. Real-time safe.
+ * to zero; NaN zeroes only the force cue. Real-time safe.
  *
  * With guidance or edge, each port has two energy accounts. The account of the total force reduces first the guidance,
- * then the edge force. The account of the total without these two reduces the cue. So the cue never pays for the energy
+ * then the edge force. The account without these two reduces the force cue. So the cue never pays for the energy
  * of guidance and edge, and these give nothing once the cue has used the hand's allowance. doc/haptics.md has the bound
  * for the total.
  *
  * While a CRTK client holds the pedal (ServoState), the console gets zero force, because its hand moves nothing.
  *
- * A tick is observe(), compute(), account(). All that passes between ticks follows from the HapticStates so far. So
+ * A tick is observe(), compute(), account(). All memory between ticks follows from the HapticStates so far. So
  * re-simulation computes a recorded tick from the records before it, with the same three functions.
  */
 class HapticLoop {
@@ -43,7 +43,7 @@ class HapticLoop {
   /** Last: the forces that were given. */
   void account(const HapticState& state) noexcept;
 
-  /** Records are missing: knowsItself() is false until the guards of both arms rest in the same tick. */
+  /** Call if records are missing: knowsItself() is false until both guards rest together (`passivity/rest`). */
   void forget() noexcept;
   bool knowsItself() const noexcept;
 

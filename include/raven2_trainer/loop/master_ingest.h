@@ -30,12 +30,12 @@ class MasterIngest {
   /** Processes a datagram; its size is the true one even if longer than the buffer. */
   Reject receive(const wire::Arrival& arrival) noexcept;
 
-  /** Whether a datagram asks for a session; then call answer(), not receive(). */
+  /** Whether a datagram begins a signed-ITP handshake; then call answer(), not receive(). */
   bool isHello(const wire::Arrival& arrival) const noexcept { return gate_.isHello(arrival); }
-  /** @param[in] fresh random, used at most once. @return kNone, not counted: send `*reply` to the source. */
+  /** @param[in] fresh random, used at most once. @return kNone (uncounted): send `*reply` to the source. */
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
-  /** Unpins a silent master. Reports a stream of mostly rejected packets. Call at least every 100 ms. */
+  /** Releases a silent master. Reports a stream of mostly rejected packets. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }

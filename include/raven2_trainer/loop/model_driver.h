@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::loop {
 
-/** Control loop of the nominal model: gravity compensation, PD and PID of both arms on a world. Sessions and the
+/** Control loop of the nominal model: gravity compensation, PD and PID of both arms in a RavenWorld. Sessions and the
  *  program model_follow use it. Real-time safe. */
 class ModelDriver {
  public:

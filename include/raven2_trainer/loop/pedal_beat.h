@@ -9,11 +9,11 @@ namespace raven2_trainer::loop {
 
 /**
  * Decides when a console sends the pedals that ITP does not carry: at each change and, because packets get lost, every
- * 10 ms. Nothing is sent before the first press. Pure; real-time safe.
+ * 10 ms. Nothing is sent before the first press. No I/O; real-time safe.
  */
 class PedalBeat {
  public:
-  static constexpr int kPeriod = 10;  ///< [ticks] a twentieth of network.yaml's master_timeout, which releases them
+  static constexpr int kPeriod = 10;  ///< [ticks] a twentieth of master_timeout, which releases the camera pedal
 
   /** Call once a millisecond. @return the packet to send now, if any. */
   std::optional<PedalState> tick(std::uint32_t held) noexcept {

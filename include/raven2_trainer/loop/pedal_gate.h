@@ -24,7 +24,7 @@ struct PedalRequests {
  * Converts pedals other than the engaging one to requests: a press makes one, and so does the release of the camera
  * pedal. The meaning of a press depends on the mode. The planning pedal begins planning and then records the goal; the
  * simulation and trial pedals begin and end. The stop comes first; only a request clears it, never a pedal. Packets may
- * be lost, doubled or late: each contains all held pedals. Pure; real-time safe.
+ * be lost, doubled or late: each contains all held pedals. No I/O; real-time safe.
  */
 class PedalGate {
  public:

@@ -22,7 +22,7 @@ constexpr double kTrialLimit = 120.0;
  * goal selection, execution, trial, returning, replay, camera, hold.
  *
  * Linking model and robot: while the pedal is up and the robot's state is fresh, the model's controllers bring it to
- * the robot's joints (objects in the jaws stay held). At pedal-down all but its jaws' opening is set to these:
+ * the robot's joints (objects in the jaws stay held). At pedal-down the model jumps there, except its jaws' opening:
  * both start from one pose. Neither applies increments before the robot reports PEDAL_DN, so that both apply the same
  * ones. If the robot's link is lost while engaged, the model continues alone. The robot then gets pedal-up until the
  * surgeon's next pedal-down: without a new start from a common pose it does not move, and the cue does not act.

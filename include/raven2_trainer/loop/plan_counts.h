@@ -4,7 +4,7 @@
 
 namespace raven2_trainer {
 
-/** Progress of the present plan, or of the newest. */
+/** Progress of the running or last plan. */
 struct PlanCounts {
   std::uint32_t samples{};   ///< free samples drawn
   std::uint32_t edges{};     ///< edges checked for collision

@@ -21,7 +21,7 @@ class PlannerWorker {
   /** Computes the scene's data before the first plan, in some tenths of a second. The first plan reports errors. */
   void prepare() noexcept;
 
-  /** Serves waiting requests. @return true if there was one. */
+  /** Serves one waiting request. @return true if there was one. */
   bool serve();
   /** For shutdown: cancels the running plan within 100 ms, and all later ones. Any thread. A flag in
    *  SharedState::plan_cancelled cancels a single plan as fast. */

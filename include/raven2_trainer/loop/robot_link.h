@@ -21,14 +21,15 @@ namespace raven2_trainer::loop {
  */
 class RobotLink {
  public:
-  /** [ns] Limit of the estimate, which may be too small by kMaxErrorNs: no state older than 50 ms is applied. */
+  /** [ns] Limit of the estimate, which may be too small by kMaxErrorNs and the fastest frame's delay: apart from that
+   *  delay no state older than 50 ms is applied. */
   static constexpr std::int64_t kMaxDelayNs = 50'000'000 - wire::FrameDelay::kMaxErrorNs;
   /** [ns] Without an applied state for this long, the daemon connects again. This is too short for frames to queue up,
    * and shorter than TCP needs to recover after a broken network. */
   static constexpr std::int64_t kSilenceNs = 1'000'000'000;
 
-  /** @param[in] session identifies this run of the daemon: a robot continues the faults of a known session, and starts
-   *  again with another one. */
+  /** @param[in] session identifies this run of the daemon: a robot continues the faults of a known session, and
+   *  restarts them for another. */
   RobotLink(const LoopConfig& config, SharedState* shared, std::uint32_t session = 0);
 
   /** The TCP connection was opened, or closed. */

@@ -32,7 +32,7 @@ class ServoQueue {
     return isOrder(command.kind) ? orders_.tryPush({command, asked()}) : motions_.tryPush(command);
   }
 
-  /** Motions pushed since the start. Read it before popOrder(): they precede every order that arrives later. */
+  /** Motions pushed since the start. Read it before popOrder(): all orders that arrive later follow these motions. */
   std::uint64_t asked() const noexcept { return motions_.counts().pushed; }
   /** Motions taken since the start; also the number of the next motion. */
   std::uint64_t taken() const noexcept { return motions_.counts().taken; }
