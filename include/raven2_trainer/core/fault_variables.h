@@ -99,7 +99,7 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
     {V::kRunLevel, S::kAtmelOutputs, "run_level", "-", C::kOne, false, 0, 3, false,
      "the run level as sent to the PLC, which decides its pins"},
     {V::kInitialized, S::kAtmelOutputs, "initialized", "-", C::kOne, false, 0, 1, false,
-     "READY as sent to the PLC, and as homing reads it"},
+     "READY as sent to the PLC"},
     {V::kPutBoardCount, S::kPutUsbPacket, "board_count", "-", C::kOne, false, -100, 100, false,
      "activeAtStart: boards that are written; 2 is right, more reach beyond the array"},
     {V::kPutBoardIndex, S::kPutUsbPacket, "board_index", "-", C::kOne, true, -100, 100, false,

@@ -14,7 +14,7 @@ namespace raven2_trainer::loop {
  * Body of the haptic thread. It applies eqs. 5, 6 of Li et al. 2017 to the newest states of model and robot. If
  * enabled, it adds guidance along a planned path and a force at the edge of the master's workspace. The passivity
  * controller and a limiter of size and slew bound the sum. If states are stale or unlinked, the force falls
- * to zero; NaN zeroes only the force cue. Real-time safe.
+ * to zero; NaN zeroes only forces that use it. Real-time safe.
  *
  * With guidance or edge, each port has two energy accounts. The account of the total force reduces first the guidance,
  * then the edge force. The account without these two reduces the force cue. So the cue never pays for the energy

@@ -18,7 +18,7 @@ struct LivePicture {
 };
 static_assert(std::is_trivially_copyable<LivePicture>::value, "crosses threads word by word");
 
-/** 1: has clients. Without: `live` is drawn once a second, the others are not. */
+/** 1: has clients. Without any of the three, `live` is drawn once a second. */
 struct WatchedPictures {
   std::uint8_t live{};    ///< a client uses the live picture, the view, or their camera's pose
   std::uint8_t stereo{};  ///< of either eye

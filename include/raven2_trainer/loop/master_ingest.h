@@ -35,7 +35,7 @@ class MasterIngest {
   /** @param[in] fresh random, used at most once. @return kNone (uncounted): send `*reply` to the source. */
   Reject answer(const wire::Arrival& arrival, const wire::Nonce& fresh, wire::HandshakeBytes* reply) noexcept;
 
-  /** Releases a silent master. Reports a stream of mostly rejected packets. Call at least every 100 ms. */
+  /** Unpins a silent master. Reports a stream of mostly rejected packets. Call at least every 100 ms. */
   void idle(std::int64_t now_ns) noexcept;
 
   bool isPinned() const noexcept { return gate_.isPinned(); }
