@@ -97,10 +97,12 @@ class _Server(socketserver.ThreadingMixIn, xmlrpc.server.SimpleXMLRPCServer):
 
 
 class SlowMaster:
-    """Forwards every call to a master. Delays the first call that unregisters by `seconds`, with `always` each call."""
+    """Forwards every call to a master. Delays the first call that unregisters, and the first after delay_next(), by `seconds`; with
+    `always` each call."""
 
     def __init__(self, master, seconds, always=False):
         self._master, self._seconds, self._connections = master.uri, seconds, threading.local()
+        self._wanted = seconds
         self._always = always
         self._server = _Server(("127.0.0.1", 0), _Handler, logRequests=False)
         self._server.register_instance(self)
@@ -115,6 +117,9 @@ class SlowMaster:
         if not hasattr(self._connections, "master"):
             self._connections.master = xmlrpc.client.ServerProxy(self._master, transport=_Patient())
         return getattr(self._connections.master, method)(*arguments)
+
+    def delay_next(self):
+        self._seconds = self._wanted
 
     def __enter__(self):
         threading.Thread(target=self._server.serve_forever, daemon=True).start()

@@ -218,7 +218,7 @@ def test_a_slow_master_that_answers_gets_its_goodbye_within_a_bound(seconds):
         def is_ready(*_):
             return "/start_hazard" in master.known_of("/raven2_simulator")["services"]
         with SlowMaster(master, seconds) as slow:
-            bench.run([[signal.SIGTERM]], is_ready, slow, hazard="none")
+            bench.run([[signal.SIGTERM]], is_ready, slow, before=slow.delay_next, hazard="none")
         left = any(master.known_of("/raven2_simulator").values())
         assert left == ("leaving without a goodbye" in bench.stack.log_text("simulator"))
         assert bench.times[-1] > (GOODBYE if left else seconds), "it left early, or the master was not slow"
