@@ -12,8 +12,8 @@ namespace raven2_trainer::console {
 
 /**
  * Commands as a file (doc/python.md): a recorded Python session has one, and `simulate` repeats it. A line has a number
- * of milliseconds and the command of each of them, from the console's first one on. So the robot has to become ready
- * after the same time as then. Numbers are written such that they are read as the same bits.
+ * of milliseconds and their command. The first line begins at the console's first tick, so the robot must become ready
+ * as soon as it did then. Numbers are written such that they are read as the same bits.
  */
 struct CommandRow {
   std::uint32_t ticks{};  ///< [1 ms] with the same command

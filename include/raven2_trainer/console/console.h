@@ -37,7 +37,7 @@ struct Intent {
   PerArm<Vec3> hand_I{};                                ///< [m] [@frame I] where each hand wants to be, from its start
   PerArm<Quat> turn_I{{kIdentityQuat, kIdentityQuat}};  ///< [@frame I] how it wants to be turned, from its start
   PerArm<double> grasp{};                               ///< [rad] wanted jaw opening
-  std::uint32_t pedals{};                               ///< core/pedals.h: those held next to the one above
+  std::uint32_t pedals{};                               ///< bits of core/pedals.h: other pedals held
   bool finished{};                                      ///< the motion is over, the pedal stays up
 };
 
@@ -45,10 +45,9 @@ struct Intent {
 struct Senses {
   std::uint32_t sequence{};    ///< number of the ITP packet that carries this tick's motion
   std::optional<Sight> sight;  ///< the newest picture; none before the first
-  ForcePacket force{};         ///< the newest force; none once it is 50 ms old
+  ForcePacket force{};         ///< the newest force; zero once it is 50 ms old
   PerArm<Vec3> deflection{};   ///< [m] [@frame I] how far it pushes each hand now
-  bool was_interrupted{};      ///< since the last tick something else than the surgeon raised the pedal, and it is down
-                               ///< again
+  bool was_interrupted{};      ///< since the last tick the pedal was up, not by this source's choice, and is down again
   bool may_move{true};         ///< the robot was ready once; before that only hand devices are read, and no arm moves
 };
 
@@ -57,8 +56,8 @@ class MotionSource {
  public:
   virtual ~MotionSource() = default;
   virtual Intent tick(const Senses& senses) = 0;
-  /** Real hands on real devices: their motion includes the force's effect already, so it is not added again. They
-   * may be there before the robot. */
+  /** Real hands on real devices: their motion includes the force's effect already, so it is not added.
+   * They are read before the robot is ready. */
   virtual bool isReal() const noexcept { return false; }
 };
 
@@ -81,8 +80,7 @@ class Console {
   /** The robot is ready (run level PEDAL_UP in a force packet, or reported otherwise): the motion may start. */
   void setReady(bool ready) noexcept;
 
-  /** Newest force from the daemon. @return why it was not used: overtaken, doubled, or no valid
-   * force. */
+  /** Newest force from the daemon. @return kNone, or kOutOfOrder, kDuplicate, kOutOfRange if not used. */
   Reject applyForce(const ForcePacket& force) noexcept;
 
   /** A picture. @return kOutOfOrder or kDuplicate if a newer one or this one was seen, kNotFinite if a
@@ -92,7 +90,7 @@ class Console {
   /** One millisecond: the next packet. */
   wire::ItpPacket tick();
 
-  /** Pedals held next to the one that ITP carries, bits of core/pedals.h. */
+  /** Pedals held, without ITP's: bits of core/pedals.h. */
   std::uint32_t pedals() const noexcept;
   bool finished() const noexcept;
   /** Whether its motion comes from hand devices. */

@@ -12,20 +12,20 @@ namespace raven2_trainer::console {
 Eigen::Matrix3d axisMatrix(const AxisMap& map) noexcept;
 
 /**
- * Force for a device: `force_I` in the device's axes, at most config.max_force, in what its driver takes for newtons.
- * Nothing for one that is not finite. Real-time safe.
+ * Force for a device: `force_I` in the device's axes, at most config.max_force, in the driver's unit.
+ * Zero if `force_I` is not finite. Real-time safe.
  */
 Vec3 toDevice(const MasterConfig& config, const Vec3& force_I) noexcept;
 
 /**
- * Looks at what a device publishes: units, reach, jumps and turns, silence, poses that do not change. Called once a
- * millisecond; knows the time by that alone. Real-time safe.
+ * Checks what a device publishes: units, reach, jumps, rotations, silence, frozen poses. Call once a millisecond: it
+ * measures time by its calls. Real-time safe.
  */
 class DeviceWatch {
  public:
   explicit DeviceWatch(const MasterConfig& config) noexcept;
 
-  /** @return what was found in this tick; liftsPedal() of it forbids to use the device. */
+  /** @return the problem in this tick; if liftsPedal() of it, do not use the device. */
   DeviceFinding look(const DeviceSample& sample, bool engaged) noexcept;
 
   /** Reason not to engage although look() has found nothing. */
@@ -51,13 +51,12 @@ class DeviceWatch {
 };
 
 /**
- * Hands on one or two real devices, or on a gamepad. The pedal counts from a press on that meets nothing wrong: a
- * device that goes silent, jumps or leaves its workspace lifts it, and it has to be released and pressed again.
- * A hand starts at its first pose from the press on: what it did before that moves nothing, however late it is
- * reported. Poses that come slower than 1 kHz are gone to within the time between them (the usual time for one that
- * comes early), at most 20 ms, and in steps of which each fits into a packet at config.scale. Jaws move, at
- * config.jaw_speed, only while engaged; what a finger does meanwhile they catch up with. `link` must outlive it. Its
- * tick() is real-time safe.
+ * Hands on one or two real devices, or on a gamepad. A press of the pedal counts if no problem is found. A device
+ * that goes silent, jumps or leaves its reach ends that; the pedal must be released and pressed again. A hand starts at
+ * its first pose after the press. Earlier motion moves nothing, even if it is reported late. Between poses slower than
+ * 1 kHz the hand moves evenly: within the time since the last pose (at least the usual time, at most 20 ms), in steps
+ * that fit into a packet at config.scale. Jaws move only while engaged, at config.jaw_speed; after a new press they
+ * catch up with the finger. `link` must outlive it. Its tick() is real-time safe.
  * @param[in] jaws [rad] opening of each arm's jaws at the start.
  */
 std::unique_ptr<MotionSource> makeDeviceSurgeon(const MasterConfig& config,

@@ -16,13 +16,13 @@ namespace raven2_trainer::console {
 /** Actions of a scripted surgeon. */
 enum class VerbKind : std::uint8_t {
   kGrip,        ///< `arm` takes hold of `object` where it lies
-  kCarry,       ///< and takes its middle to `to_W`, level
+  kCarry,       ///< `arm` carries it level to `to_W`
   kTakeOver,    ///< `arm` takes hold of `object` while the other one holds it, which then lets go
   kPutOver,     ///< `arm` puts `object`, which it holds, over `peg` and lets go
   kFollowWire,  ///< `arm` leads `object`, which it holds and which `wire` goes through, along it and off its end
   kTouch,       ///< the tip of `arm` goes to `to_W`, turned as it is
   kPark,        ///< `arm` goes back to where it was at the start
-  kCameraTo,    ///< camera pedal down, and both hands bring its eye to `to_W`; it goes on looking at the same place
+  kCameraTo,    ///< camera pedal down: both hands bring the camera's eye to `to_W`; its target stays
   kClutch,      ///< pedal up, both hands to their middle, pedal down
   kWait,        ///< for `seconds`
   kPress,       ///< `pedal` for `seconds`
@@ -47,15 +47,15 @@ struct Verb {
                               ///< is led that far off the wire
 };
 
-/** How well a surgeon does it. The figures are an expert's, ours; those of aim and speed as in test/grasp. */
+/** Skill of a surgeon. Defaults: an expert's, our choice; aim and speed as in test/grasp. */
 struct Skill {
   double aim_error{0.0005};               ///< [m] along each axis, of a grip
   double aim_angle{0.087};                ///< [rad] about any axis
-  double tremor{1.0};                     ///< [-] on console.yaml's
+  double tremor{1.0};                     ///< [-] x console.yaml's
   double slowest{0.020}, fastest{0.060};  ///< [m/s] mean speeds of the tool
   double pause{0.2};                      ///< [s] between verbs, up to twice as long
   double clutch_time{0.5};                ///< [s] pedal up at least, while the hands come back
-  double clutch_reach{0.25};  ///< [m] of a hand from its middle before it clutches; the longest of the other script's
+  double clutch_reach{0.25};  ///< [m] of a hand from its middle before it clutches; makeScripted()'s longest stroke
   int tries{3};               ///< [-] of a verb that went wrong
 };
 

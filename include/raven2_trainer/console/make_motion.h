@@ -13,7 +13,7 @@ namespace raven2_trainer::console {
 /** Choice of the surgeon. */
 struct MotionChoice {
   std::string motion{"scripted"};  ///< scripted, recording:FILE, commands:FILE, expert or clumsy:NAME
-  std::optional<double> reaction;  ///< [s] from a force on a hand to the pedal; none: it is not heeded
+  std::optional<double> reaction;  ///< [s] from a force or ghost to the pedal; empty: no reaction
 };
 
 /**
@@ -31,17 +31,16 @@ std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config,
 /** The same without a reaction. */
 std::unique_ptr<MotionSource> makeMotion(const SurgeonConfig& config, const std::string& motion);
 
-/** As sessions name it: without the path of a file of commands, so that their logs have the same bytes wherever it
- * lies. */
+/** Name in session logs. A commands file has no path there, so a log's bytes do not depend on its place. */
 std::string motionLabel(const std::string& motion);
 
-/** Whether it is "commands:FILE". Call its tick() from its console's first tick on. */
+/** Whether it is "commands:FILE". Then tick() is due from the console's first tick. */
 bool isCommanded(const std::string& motion) noexcept;
 
-/** [s] of "commands:FILE". @throw ConfigException with FILE:LINE. */
+/** [s] that "commands:FILE" lasts. @throw ConfigException with FILE:LINE. */
 double commandedSeconds(const std::string& motion);
 
-/** Whether it does the exercise, and is finished then. */
+/** Whether it does the exercise and then finishes. */
 bool doesExercise(const std::string& motion) noexcept;
 
 }  // namespace raven2_trainer::console

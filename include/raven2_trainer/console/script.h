@@ -9,10 +9,10 @@
 
 namespace raven2_trainer::console {
 
-/** Actions of an exercise's expert, with the scene's names found. @throw ConfigException with FILE:LINE. */
+/** Actions of an exercise's expert, with scene names resolved. @throw ConfigException with FILE:LINE. */
 std::vector<Verb> verbsOf(const Exercise& exercise, const SceneRoles& roles);
 
-/** Differences of a clumsy surgeon of that exercise. `expect/...` is for tests of the score.
+/** How a clumsy surgeon of that exercise differs. Keys `expect/...` (for tests) are ignored.
  *  @throw ConfigException with FILE:LINE, also for an unknown name. */
 Clumsiness clumsinessOf(const Exercise& exercise, const SceneRoles& roles, const std::string& name);
 

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::console {
 
-/** Parts of the configuration that surgeons use. Refers to it. */
+/** References to parts of the configuration, which outlives it. */
 struct SurgeonConfig {
   const ConsoleConfig& console;
   const ArmsConfig& arms;

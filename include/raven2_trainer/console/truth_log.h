@@ -7,7 +7,7 @@
 
 namespace raven2_trainer::console {
 
-/** Something that a scripted surgeon did, and knows that it did. */
+/** An action of a scripted surgeon. */
 struct TruthEvent {
   std::uint32_t sequence{};  ///< of the ITP packet it went out with
   std::string what;          ///< begin, close and open (jaws, at their beginning), end, retry, given_up, let_go, ...

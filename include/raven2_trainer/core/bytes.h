@@ -6,7 +6,7 @@
 #include <type_traits>
 
 // Cursors over a byte buffer for the wire formats and the session log. The host must be little-endian, as the Raven's
-// packets are (raven2.md 1.1); bytes.cpp checks this at compile time.
+// packets are (raven2.md 1.1); core.cpp checks this at compile time.
 
 namespace raven2_trainer {
 

@@ -12,7 +12,7 @@ namespace raven2_trainer {
 enum class CameraMoves : std::uint8_t {
   kNever,
   kClutch,     ///< the masters, while the camera pedal is held: ModelState::camera
-  kGoldTool,   ///< follows the model's gold tool tip, in the direction from eye to target
+  kGoldTool,   ///< follows the model's gold tool tip; view direction and distance stay
   kGreenTool,  ///< the same for the green tool tip
 };
 constexpr std::array<const char*, 4> kCameraMovesNames{"never", "clutch", "gold_tool", "green_tool"};

@@ -175,7 +175,7 @@ struct PlanResult {
 };
 static_assert(std::is_trivially_copyable<PlanResult>::value, "travels in a ring");
 
-/** Most plans requested and not yet answered; capacity of the rings to and from the planner. */
+/** Maximum of unanswered plan requests; capacity of the rings to and from the planner. */
 constexpr std::size_t kMaxPlansUnderWay = 4;
 
 /** Why the execution of a plan ended. */

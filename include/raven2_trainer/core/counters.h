@@ -18,12 +18,12 @@ enum class Reject : std::uint8_t {
   kOutOfOrder,
   kSequenceGap,   ///< compat: the packet after a gap is dropped
   kSequenceJump,  ///< hardened: further ahead than the window
-  kSequenceZero,  ///< compat: "reflect" packet
+  kSequenceZero,  ///< compat: number 0
   kReset,         ///< numbering reset: this packet re-bases the count and is not used
   kForeignSource,
-  kBadFrame,  ///< TCP: wrong magic, length or CRC; unexpected kind of frame
+  kBadFrame,  ///< wrong magic, length, CRC or checksum; unexpected frame
   kQueueFull,
-  kBadVersion,    ///< TCP: different major version of the frames
+  kBadVersion,    ///< different version; TCP: major version
   kRateLimited,   ///< more packets per second than an honest master sends
   kUnsigned,      ///< plain ITP where only signed ITP is accepted
   kBadSignature,  ///< signed ITP with a wrong tag

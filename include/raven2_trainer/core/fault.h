@@ -77,7 +77,7 @@ enum class FaultKind : std::uint8_t {
   kDrift,       ///< add an offset that grows to `value` in `ramp_ticks`, then stays
   kRandom,      ///< overwrite with a number from [low, high), uniform, drawn each time
   kRandomOnce,  ///< the same, drawn once per occurrence, then held
-  kHoldLast,    ///< the number before onset; in streams, too: each repeats the last content with its own number
+  kHoldLast,    ///< the number before onset; streams: repeat the last content, sequence numbers continue
   // streams (packets, state frames)
   kDrop,       ///< each is lost with probability `value`
   kDelay,      ///< each arrives [low, high] ticks later, in order

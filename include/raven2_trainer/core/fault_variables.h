@@ -97,9 +97,8 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
     {V::kSurgeonMode, S::kAtmelOutputs, "surgeon_mode", "-", C::kOne, false, 0, 1, false,
      "the pedal as sent to the PLC"},
     {V::kRunLevel, S::kAtmelOutputs, "run_level", "-", C::kOne, false, 0, 3, false,
-     "the run level as sent to the PLC, which decides its pins"},
-    {V::kInitialized, S::kAtmelOutputs, "initialized", "-", C::kOne, false, 0, 1, false,
-     "READY as sent to the PLC"},
+     "run level as sent to the PLC; it sets the PLC's pins"},
+    {V::kInitialized, S::kAtmelOutputs, "initialized", "-", C::kOne, false, 0, 1, false, "READY as sent to the PLC"},
     {V::kPutBoardCount, S::kPutUsbPacket, "board_count", "-", C::kOne, false, -100, 100, false,
      "activeAtStart: boards that are written; 2 is right, more reach beyond the array"},
     {V::kPutBoardIndex, S::kPutUsbPacket, "board_index", "-", C::kOne, true, -100, 100, false,
@@ -107,7 +106,7 @@ constexpr std::array<FaultVariableInfo, kFaultVariableCount> kFaultVariables{{
     {V::kOutputs, S::kPutUsbPacket, "outputs", "-", C::kOne, true, -20000, 20000, false,
      "mech.outputs: all pins for the PLC, watchdog among them; the low 8 bits are sent"},
     {V::kDac, S::kPutUsbPacket, "dac", "counts", C::kJoints, true, -1e6, 1e6, false,
-     "DAC command behind all checks; the low 16 bits are sent"},
+     "DAC command after all checks; the low 16 bits are sent"},
     {V::kReturnedJpos, S::kStateReturn, "jpos", "rad, m", C::kJoints, true, -1e6, 1e6, false,
      "joint positions as sent to the daemon"},
     {V::kReturnedRunLevel, S::kStateReturn, "run_level", "-", C::kOne, false, 0, 3, false,
@@ -178,7 +177,7 @@ constexpr bool lastsForPackets(const Fault& fault) noexcept {
 bool takes(FaultVariable variable, FaultKind kind) noexcept;
 
 /** Whether all fields are valid, from any sender: finite numbers, known enumerations and channels, matching site,
- *  variable and kind, times within a million hours, and stream counts within the limits below. */
+ *  variable and kind, times up to 2^42 ticks, and stream counts within the limits below. */
 bool isSound(const Fault& fault) noexcept;
 
 constexpr double kMaxStreamDelay = 500;  ///< [ticks] longest delay of a stream; [packets] longest replay

@@ -6,6 +6,6 @@
 //       FRS dome's base plate.
 //   B   base of one arm, "frame 0" of the robot: origin at that arm's remote centre of motion (RCM).
 //       gold: x up, y toward the surgeon, z right. green: x up, y forward, z left. (raven2.md 1.4)
-//   T   tool tip: DH frame 6, 13 mm beyond the wrist axis on the mid-line of the jaws, plus `tool.tip_offset`.
+//   T   tool tip: DH frame 6, `lw` (13 mm) beyond the wrist axis on the mid-line of the jaws.
 //   I   ITP axes of a master: x forward, y right, z down, seen by the surgeon. (raven2.md 1.4)
 //   C   camera, REP 103 optical: z forward, x right, y down.

@@ -31,7 +31,7 @@ class Histogram {
 
   /**
    * @param[in] p in [0, 1].
-   * @return [ns] upper edge of the bucket with the p-quantile: never too small, and at most 12.5 % too large. 0 if
+   * @return [ns] upper edge of the bucket with the p-quantile: at most 12.5 % too large, but at least 256. 0 if
    * nothing was counted; 268 ms for longer durations.
    */
   std::int64_t quantile(double p) const noexcept {

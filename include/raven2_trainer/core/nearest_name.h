@@ -6,13 +6,12 @@
 
 namespace raven2_trainer {
 
-/** Of `known` the name that was most likely meant: at most `most_mistakes` letters other, missing, too many or changed
- * about, and less than half of them. Of several equal ones all: `a" or "b`, for a place between quotes. Empty without
- * one. */
+/** The nearest name in `known`: at most `most_mistakes` letters replaced, missing, added or swapped, and fewer than
+ * half. Equally near names are joined for use inside quotes: `a" or "b`. Empty if no name is near. */
 std::string nearestName(const std::string& name, const std::vector<std::string>& known, std::size_t most_mistakes = 2);
 
-/** The message about an unknown name: it suggests the nearest known one, else it lists the known ones, 20 at most.
- * @param[in] what "exercise". */
+/** Message about an unknown name: suggests the nearest known one, else lists at most 20.
+ * @param[in] what Kind of name, such as "exercise". */
 std::string unknownName(const std::string& what, const std::string& name, const std::vector<std::string>& known);
 
 /** The nearest name as the end of a message, `: did you mean "gold"?`; empty without one. */

@@ -8,8 +8,8 @@ namespace raven2_trainer {
 
 /** Pedals and buttons other than the engaging pedal, which ITP carries. */
 enum class Pedal : std::uint8_t {
-  kPlanning,    ///< begins planning; the next press ends it
-  kSimulation,  ///< the same for pure simulation
+  kPlanning,    ///< begins planning, then records the goal
+  kSimulation,  ///< begins, ends pure simulation
   kTrial,       ///< the same for a virtual trial
   kView,        ///< switches between virtual scene and real camera
   kCamera,      ///< held: the masters move the camera

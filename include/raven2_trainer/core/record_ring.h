@@ -63,7 +63,7 @@ class RecordRing {
     return true;
   }
 
-  /** Before the first push, in memory that ends with the process: saves the checksums, which only a recovery reads. */
+  /** Before the first push, if the memory ends with the process: leaves out the checksums (for recovery only). */
   void omitChecks() noexcept { has_checks_ = false; }
 
   /** Producer: also counts elements that were lost before this ring as dropped. */

@@ -7,8 +7,8 @@ namespace raven2_trainer {
 
 /**
  * The queues from the 1 kHz loops to the recorder, in one piece of memory without pointers, so that it can be a mapped
- * file (session::FlightRecorder). About 10 MiB: half a second of ticks that wait for their chunk, and 2 s for a disk
- * that refuses. Of every kind a third may wait (recording::Recorder).
+ * file (session::FlightRecorder). About 10 MiB: 0.5 s of ticks until they are written, and 2 s while the disk
+ * refuses. The recorder writes earlier if a queue is a third full.
  */
 struct RecordRings {
   // physics -> recorder

@@ -18,7 +18,7 @@ constexpr std::uint8_t kNobody = 255;
 /** A free body that the arms carry. Its opening is in the x-y plane of its link. */
 struct SceneObject {
   std::string name, link;
-  std::uint8_t square{};  ///< 1: the opening is a square with this half edge
+  std::uint8_t square{};  ///< 1: square; inner_radius is half the inner edge
   double inner_radius{};  ///< [m] of the opening; 0: no opening
   double bar_radius{};    ///< [m] of the bar around it
 };

@@ -25,7 +25,7 @@ constexpr std::array<Arm, kArmCount> kArms{Arm::kGold, Arm::kGreen};
 constexpr std::array<const char*, kArmCount> kArmNames{"gold", "green"};
 
 /** The seven driven joints of an arm, in the order of all joint arrays. The robot's arrays have an eighth, unconnected
- *  slot at index 3; only `wire` and `raven` use it. */
+ *  slot at index 3, which ours omit. */
 enum Joint : std::size_t { kShoulder, kElbow, kInsertion, kToolRotation, kWrist, kGrasp1, kGrasp2 };
 constexpr std::size_t kJointCount = 7;
 constexpr std::array<const char*, kJointCount> kJointNames{"shoulder", "elbow",  "insertion", "tool_rotation",
