@@ -68,7 +68,7 @@ int main(int argc, char** argv) {
   apps::blockSignals();
   std::string topic = "view/image_raw";
   CLI::App app{"Shows the pictures of a ROS topic (sensor_msgs/Image) in a window. Needs an X display."};
-  app.footer("Exit status: 0 the window was closed or a signal came, 1 otherwise (for example no display).");
+  app.footer("Exit status: 0 the window was closed or a signal came, else failed (for example no display).");
   app.add_option("--topic", topic, "Topic, of encoding rgb8, bgr8, rgba8, bgra8 or mono8")->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return run(topic, argc, argv); });
 }

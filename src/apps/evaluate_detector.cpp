@@ -91,18 +91,25 @@ int evaluate(Options options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Measures how well the detector finds the faults of DSN 2016 in simulated sessions."};
+  CLI::App app{"Measures how well the detector finds the faults of Alemzadeh et al. 2016 in simulated sessions."};
   options.common.add(&app, /*with_ports=*/false);
+  apps::CommonOptions::ignore(&app, {"--hazard", "--drill", "--trainee", "--curriculum", "--seed"});
   studies::EvaluateOptions& e = options.evaluate;
   app.add_option("--first-seed", e.seed, "Seed of the first session; each further session uses the next seed")->capture_default_str();
-  apps::within(app.add_option("--input-starts", e.input_starts, "Sessions with each of the 48 faults of the input"), 0, 10000);
-  apps::within(app.add_option("--torque-starts", e.torque_starts, "Sessions with one constant DAC value each, for 1 to 19 ms"), 0,
+  apps::within(app.add_option("--input-starts", e.input_starts, "Sessions; each is run with all 48 input faults"), 0,
                10000);
-  apps::within(app.add_option("--add-starts", e.add_starts, "Sessions with each of the 64 faults that add to the DAC"), 0, 10000);
-  apps::within(app.add_option("--watched", e.watched, "Time after a fault in which a departure of the tip counts [ms]"), 1,
-               5000);
+  apps::within(
+      app.add_option("--torque-starts", e.torque_starts, "Sessions; each is run with one DAC value for 1, 2 ... 19 ms"),
+      0, 10000);
+  apps::within(app.add_option("--add-starts", e.add_starts, "Sessions; each is run with all 64 additions to DAC"), 0,
+               10000);
+  apps::within(
+      app.add_option("--watched", e.watched, "Time after a fault's end in which a tip's departure counts [ms]"), 1,
+      5000);
   apps::within(app.add_option("--unsafe", e.unsafe, "Distance of the tip from its fault-free path that counts as unsafe [m]"), 1e-5, 1.0);
-  apps::within(app.add_option("--slack", e.slack, "Longest delay of an alarm that is in time [ms]"), 0, 1000);
-  app.add_option("--output", options.output, "CSV file to write, one row for each run")->capture_default_str();
+  apps::within(app.add_option("--slack", e.slack, "Time for an alarm after harm was certain [ms]"), 0, 1000);
+  app.add_option("--output", options.output, "CSV file to write, one row for each run")
+      ->type_name("FILE")
+      ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return evaluate(options); });
 }

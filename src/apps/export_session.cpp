@@ -77,7 +77,9 @@ int exportSessions(const Options& options) {
 void addLearningOptions(CLI::App* app, Options* options) {
   app->add_option("--cameras", options->cameras,
                   "hdf5, lerobot: cameras A,B of config/render.yaml (default: no pictures)");
-  app->add_option("--size", options->size, "hdf5, lerobot: size of the pictures, WIDTHxHEIGHT")->capture_default_str();
+  app->add_option("--size", options->size, "hdf5, lerobot: size of the pictures, WIDTHxHEIGHT")
+      ->type_name("WxH")
+      ->capture_default_str();
   app->add_option("--fps", options->fps, "hdf5, lerobot: frames per second")
       ->check(CLI::Range(1, 120))
       ->capture_default_str();
@@ -102,18 +104,19 @@ int main(int argc, char** argv) {
       "  q1..q7, dq1..dq7, tau1..tau7   model: joint position, velocity, torque\n"
       "  rq1..rq7, rdq1..rdq7           robot: joint position, velocity\n"
       "  px..pz, rpx..rpz               tool tip of model and robot in the arm's base frame\n"
-      "  fx..fz, fault                  force cue; fault scenario acting on the robot\n"
-      "jigsaws: 30 Hz, 76 columns, and the exercise's steps in FILE_labels.txt. rosbag: the simulator's topics.\n"
+      "  fx..fz, fault                  force cue; hazard that acts, anywhere\n"
+      "jigsaws: 30 Hz, 76 columns, and the exercise's steps in NAME_labels.txt. rosbag: the simulator's topics.\n"
       "hdf5, lerobot: one data set of all DIRs, with the truth about the hazards (doc/python.md).\n"
-      "More: doc/session.md, doc/report.md. Exit status: 0 written, 1 otherwise.");
+      "More: doc/session.md, doc/report.md. Exit status: 0 written, else failed.");
   Options options;
   app.add_option("DIR", options.directories, "Session directories, each with session.rlog")->required();
   app.add_option("--format", options.format, "Format of the file")
       ->check(CLI::IsMember({"csv", "jigsaws", "rosbag", "hdf5", "lerobot"}))
       ->capture_default_str();
-  app.add_option(
-      "--output", options.output,
-      "File to write (default: DIR/ticks.csv, jigsaws.txt, session.bag; dataset.hdf5; the directory dataset)");
+  app.add_option("--output", options.output,
+                 "File to write (default: DIR/ticks.csv, DIR/jigsaws.txt, DIR/session.bag, ./dataset.hdf5, or the "
+                 "folder ./dataset)")
+      ->type_name("FILE");
   addLearningOptions(&app, &options);
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return exportSessions(options); });
 }

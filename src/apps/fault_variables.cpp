@@ -62,8 +62,7 @@ Json everything() {
 
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
-  CLI::App app{
-      "Prints as JSON which faults can be injected where: hosts, sites, kinds, triggers and variables."};
+  CLI::App app{"Prints as JSON what the file of a hazard may contain: hosts, sites, kinds, triggers and variables."};
   return apps::runProgram(&app, argc, argv, [] {
     std::printf("%s\n", everything().dump(2).c_str());
     return 0;

@@ -58,8 +58,8 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Makes a network link bad: forwards UDP and TCP with loss, delay, reordering and outages."};
   options.links.add(&app);
-  app.add_option("--log", options.log, "CSV file: each packet and what was done to it");
-  app.add_option("--json", options.json, "JSON file: counts of each link, written at the end");
+  app.add_option("--log", options.log, "CSV file: each packet and what was done to it")->type_name("FILE");
+  app.add_option("--json", options.json, "JSON file: counts of each link, written at the end")->type_name("FILE");
   app.add_option("--duration", options.duration, "Run time [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));

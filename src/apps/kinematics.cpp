@@ -138,7 +138,8 @@ int main(int argc, char** argv) {
       ->required()
       ->check(CLI::IsMember({kArmNames[0], kArmNames[1]}));
   app.add_option("--tool", tool, "Tool of config/arms.yaml (default: the configuration's)");
-  app.add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app.add_option("--config", config, "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
   app.footer(kFooter);
   return apps::runProgram(&app, argc, argv, [&] {
     const ArmsConfig arms = config::loadTrainerConfig(config.empty() ? apps::defaultConfigPath() : config).arms;

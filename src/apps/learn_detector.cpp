@@ -52,11 +52,13 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Learns the detector's model and thresholds from fault-free simulated sessions."};
   options.common.add(&app, /*with_ports=*/false);
+  apps::CommonOptions::ignore(&app, {"--hazard", "--drill", "--trainee", "--curriculum"});
   apps::within(app.add_option("--runs", options.learn.runs, "Fault-free sessions, each with another seed"), 1, 100000);
   apps::within(app.add_option("--ticks", options.learn.ticks, "Length of each session from the first pedal-down [ms]"), 500,
                100000);
   apps::within(app.add_option("--percentile", options.learn.percentile, "Percentile of the fault-free values that becomes the threshold"), 50.0, 99.9999);
   app.add_option("--output", options.output, "File to write, in the format of config/detector.yaml")
+      ->type_name("FILE")
       ->capture_default_str();
   return apps::runProgram(&app, argc, argv, [&] { return learn(options); });
 }

@@ -79,16 +79,18 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"Sends hand motion to the daemon: from haptic devices, a recording or a simulated surgeon."};
-  options.common.add(&app, /*with_ports=*/true);
+  CLI::App app{"Sends hand motion to the trainer: from haptic devices, a recording or a simulated surgeon."};
   options.motion.add(&app);
   app.add_option("--master", options.real.master,
                  "Haptic devices: a name of config/masters or a file that ends in .yaml")
       ->excludes("--motion");
-  app.add_option("--scale", options.real.scale, "Motion scale (default: the configuration's)")
+  options.common.add(&app, /*with_ports=*/true);
+  apps::CommonOptions::ignore(&app, {"--hazard", "--drill", "--trainee", "--curriculum", "--arm-contacts", "--plant",
+                                     "--robot-port", "--state-port"});
+  app.add_option("--scale", options.real.scale, "Motion scale (default: the device's, or the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
   app.add_option("--duration", options.real.duration,
-                 "Run time [s]; 0: until stopped, or until 1 s after the simulated surgeon has finished")
+                 "Run time [s]; 0: until stopped; expert and clumsy end 1 s after the exercise")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   return apps::runProgram(&app, argc, argv, [&] { return run(options, argc, argv); });

@@ -14,7 +14,7 @@ int main(int argc, char** argv) {
   std::string output;
   CLI::App app{"Merges the parts of a campaign that several computers ran. Refuses missing, duplicate and foreign parts."};
   app.add_option("shards", shards, "Output directories of run_campaign --shard, all parts of one campaign")->required();
-  app.add_option("--output", output, "Directory for the whole campaign")->required();
+  app.add_option("--output", output, "Directory for the whole campaign")->type_name("DIR")->required();
   return apps::runProgram(&app, argc, argv, [&] {
     campaign::mergeShards(shards, output);
     std::fprintf(stderr, "%zu shards merged: %s/outcomes.csv\n", shards.size(), output.c_str());

@@ -26,13 +26,13 @@ int renewScore(const std::string& directory) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   CLI::App app{
-      "Adds the faults that libraven2_usb_faults.so injected into a real robot to a session's report and scores.",
+      "Adds the faults that libraven2_usb_faults.so injected into a real robot to a session's metrics and scores.",
       "merge_truth"};
   app.footer(
       "Writes DIR/usb_truth.json, and metrics.json, faults.json and, with an exercise, score.json again. The log does\n"
       "not change. Times come from the clock of the robot's computer, or from the commands that the robot received.\n"
       "FILE may be omitted if the simulator ran with RAVEN2_USB_FAULTS_TRUTH set.\n"
-      "doc/usb_faults.md. Exit status: 0 merged and scored, 1 otherwise.");
+      "doc/usb_faults.md. Exit status: 0 merged and scored, else failed.");
   std::string directory, file;
   app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
   app.add_option("FILE", file, "File that RAVEN2_USB_FAULTS_TRUTH named (default: the one that the simulator had)");

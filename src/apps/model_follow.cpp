@@ -106,10 +106,13 @@ int main(int argc, char** argv) {
   app.footer(
       "Tables are CSV, one row a millisecond; q1..q7 shoulder, elbow, insertion, tool rotation, wrist, two jaws, in\n"
       "the robot's coordinates [rad; insertion m]. In: q1_d..q7_d. Out: q1..q7, dq1..dq7 [rad/s; m/s] before the step\n"
-      "that follows and tau1..tau7 [Nm; N] during it. The arm starts at rest on the first row; the other arm is at home.");
+      "that follows and tau1..tau7 [Nm; N] during it. The arm starts at rest on the first row; the other arm is at "
+      "home.\n"
+      "Exit status: 0 done, 1 failed, 2 wrong table, above 100 wrong arguments.");
   app.add_option("--arm", options.arm, "gold or green")->capture_default_str()->check(CLI::IsMember({"gold", "green"}));
-  app.add_option("--desired", options.desired, "CSV file of desired positions")->required();
-  app.add_option("--out", options.out, "CSV file to write")->required();
-  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app.add_option("--desired", options.desired, "CSV file of desired positions")->type_name("FILE")->required();
+  app.add_option("--out", options.out, "CSV file to write")->type_name("FILE")->required();
+  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return raven2_trainer::run(options); });
 }

@@ -143,7 +143,7 @@ int main(int argc, char** argv) {
       "wrist_joint, grasper_joint_1, grasper_joint_2. No controller, no contacts; joint limits are hard stops.\n"
       "  in:  tau1..tau7 [Nm; tau3 N], held for the millisecond; columns are found by name\n"
       "  out: q1..q7 [rad; q3 m], dq1..dq7 [rad/s; dq3 m/s] after it\n"
-      "Exit status: 0 written, 1 the simulation became unstable or a file cannot be opened, 2 bad input (named with its line).");
+      "Exit status: 0 written, 1 unstable, wrong configuration or output, 2 wrong input, above 100 wrong arguments.");
   app.add_option("--arm", options.arm, "gold (_L) or green (_R)")->required()->check(CLI::IsMember({"gold", "green"}));
   app.add_option("--q0", options.q0, "Seven positions at the start [rad; m], within the limits: q1,...,q7")
       ->required()
@@ -152,11 +152,16 @@ int main(int argc, char** argv) {
   app.add_option("--dq0", options.dq0, "Seven rates at the start [rad/s; m/s] (default: at rest)")
       ->delimiter(',')
       ->expected(7);
-  app.add_option("--torques", options.torques, "CSV file of torques; -: stdin")->capture_default_str();
-  app.add_option("--out", options.out, "CSV file of states to write; -: stdout")->capture_default_str();
+  app.add_option("--torques", options.torques, "CSV file of torques; -: stdin")
+      ->type_name("FILE")
+      ->capture_default_str();
+  app.add_option("--out", options.out, "CSV file of states to write; -: stdout")
+      ->type_name("FILE")
+      ->capture_default_str();
   addSwitch(&app, "--gravity", &options.gravity, "Gravity: on or off");
   addSwitch(&app, "--friction", &options.friction, "Friction and damping of all joints: on or off");
   addSwitch(&app, "--armature", &options.armature, "Inertia of the motors' rotors: on or off");
-  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
   return apps::runProgram(&app, argc, argv, [&] { return probe(options); });
 }

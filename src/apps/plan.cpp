@@ -175,19 +175,23 @@ int main(int argc, char** argv) {
   Options options;
   CLI::App app{"Plans a path several times, makes the model follow each path, and writes a table of the results."};
   app.footer(
-      "Writes runs.csv, table.csv or comparison.csv, and each path into the output folder (doc/planning.md).\n"
-      "Options that take lists: 200,500,1000. Exit status: 0 the tables are written, 1 they are not.");
+      "Writes runs.csv, table.csv (with --times comparison.csv) and all paths to --output (doc/planning.md).\n"
+      "Options that take lists: 200,500,1000. Exit status: 0 the tables are written, else failed.");
   app.add_option("problem", options.problem, "Problem: a name of config/problems, or FILE.yaml")->capture_default_str();
   app.add_option("--runs", options.runs, "Plans of each case, each with the next seed")
       ->capture_default_str()
       ->check(CLI::Range(1, 100000));
   addChoice(&app, &options.choice);
-  apps::within(app.add_option("--threads", options.threads, "Plans that run at the same time"), 1, 64);
-  app.add_option("--output", options.output, "Folder to create (default: plans/<problem>_<UTC stamp>)");
-  app.add_option("--ompl-log", options.ompl_log, "File to write: OMPL's benchmark log, for ompl_benchmark_statistics.py");
-  app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of the paper into the folder");
+  apps::within(app.add_option("--threads", options.threads, "Plans at the same time, of FMTstar only"), 1, 64);
+  app.add_option("--output", options.output, "Folder to create (default: plans/<problem>_<UTC stamp>)")
+      ->type_name("DIR");
+  app.add_option("--ompl-log", options.ompl_log,
+                 "File to write: OMPL's benchmark log, for ompl_benchmark_statistics.py")
+      ->type_name("FILE");
+  app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of Li et al. 2017 there");
   app.add_option("--config", options.common.config,
-                 "Root configuration file (default: the packaged config/trainer.yaml)");
+                 "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
   app.add_option("--seed", options.common.seed, "Seed of the first run (default: the configuration's)")
       ->check(CLI::Range(std::int64_t{0}, std::int64_t{1} << 53));
   return apps::runProgram(&app, argc, argv, [&] { return plan(options); });

@@ -94,15 +94,18 @@ int replayAll(Options options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{"Compares the virtual Raven's plant with a recording of a real robot, driven by the recorded DAC commands."};
+  CLI::App app{"Drives the virtual Raven's plant with a real robot's recorded DAC commands and compares the motion."};
   options.common.add(&app, /*with_ports=*/false);
-  app.add_option("recording", options.recording, "CSV file: mpos1_deg .. mpos3_deg [deg], dac1 .. dac3 [counts], 1 kHz")
+  apps::CommonOptions::ignore(
+      &app, {"--exercise", "--hazard", "--drill", "--trainee", "--curriculum", "--seed", "--arm-contacts"});
+  app.add_option("recording", options.recording, "Gold arm's CSV, 1 kHz: mpos1_deg .. mpos3_deg, dac1 .. dac3 [counts]")
       ->required();
   apps::within(app.add_option("--from", options.from, "First start, as a share of the recording"), 0.0, 1.0);
   apps::within(app.add_option("--to", options.to, "Last start, as a share of the recording"), 0.0, 1.0);
   apps::within(app.add_option("--stride", options.stride, "Rows between starts"), 1, 100000);
-  apps::within(app.add_option("--horizons", options.horizons, "Prediction times [ms], separated by commas")->delimiter(','), 1,
-               10000);
-  app.add_option("--output", options.output, "CSV file for each error, instead of the summary");
+  apps::within(app.add_option("--horizons", options.horizons, "Times ahead A,B [ms]; the summary has the longest")
+                   ->delimiter(','),
+               1, 10000);
+  app.add_option("--output", options.output, "CSV file for each error, instead of the summary")->type_name("FILE");
   return apps::runProgram(&app, argc, argv, [&] { return replayAll(options); });
 }

@@ -72,6 +72,9 @@ int main(int argc, char** argv) {
   std::string topic = "/ravenstate";
   CLI::App app{"Sends a real Raven's state to the trainer: ROS topic /ravenstate in, TCP out. Runs on the robot's computer."};
   common.add(&app, /*with_ports=*/true);
+  apps::CommonOptions::ignore(
+      &app, {"--exercise", "--hazard", "--drill", "--trainee", "--curriculum", "--seed", "--arm-contacts", "--plant",
+             "--master-port", "--robot-port", "--force-port", "--sight-port"});
   std::string address;
   app.add_option("--bind-address", address,
                  "IPv4 address of this computer to listen on (default: the configuration's)")

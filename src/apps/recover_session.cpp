@@ -32,10 +32,12 @@ int recover(const std::string& directory) {
 int main(int argc, char** argv) {
   CLI::App app{"Completes the files of a session whose simulator was killed.", "recover_session"};
   app.footer(
-      "Cuts the log after its last complete record, appends what the flight recorder in /dev/shm still has, and writes\n"
-      "recovered.json, metrics.json, faults.json and, with an exercise, score.json (doc/session.md). The simulator does\n"
-      "the same at its start for all sessions in the same folder.\n"
-      "Exit status: 0 recovered or nothing to do, 1 otherwise.");
+      "Cuts the log after its last complete record, appends what the flight recorder in /dev/shm still has, and "
+      "writes\n"
+      "recovered.json, metrics.json, faults.json and, with an exercise, score.json (doc/session.md). The simulator "
+      "does\n"
+      "the same at its start for up to 64 sessions next to its own.\n"
+      "Exit status: 0 recovered or nothing to do, else failed.");
   std::string directory;
   app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return recover(directory); });

@@ -39,8 +39,6 @@ std::string checkSize(const std::string& text) {
 
 void addOptions(CLI::App* app, Options* o) {
   app->add_option("DIR", o->directories, "Session directories, each with session.rlog")->required();
-  app->add_flag("--again", o->again,
-                "Render existing videos again; delete the pictures of an earlier render in --output");
   app->add_option("--camera", o->render.camera, "Camera of config/render.yaml (default: its video camera)");
   app->add_option(
       "--inset", o->render.inset,
@@ -48,8 +46,8 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option(
          "--overlay", o->overlays,
          "Overlays, A,B,...: ghost, force_arrows, force_bars, hazard, plan, trails, workspace, timer, status, latency; "
-         "or all, or none (default: config/render.yaml). Without hazard the video shows a black, frozen or late "
-         "picture as the trainee saw it")
+         "or all, or none (default: config/render.yaml). Without the overlay hazard the picture is what the "
+         "trainee saw: black, frozen or late")
       ->delimiter(',');
   app->add_option("--size", o->size,
                   "Size of the picture: WIDTHxHEIGHT, each even and 64 to 4096 (default: config/render.yaml)")
@@ -60,9 +58,13 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--to", o->render.to, "Session time of the end [s] (default: the session's end); needs --output")
       ->check(CLI::Range(0.0, 1e6));
   app->add_option("--output", o->render.output,
-                  "FILE.mp4, or a directory for PNG pictures; for one session (default: DIR/video.mp4)");
+                  "FILE.mp4, or a directory for PNG pictures; for one session (default: DIR/video.mp4)")
+      ->type_name("FILE");
+  app->add_flag("--again", o->again,
+                "Render existing videos again; delete the pictures of an earlier render in --output");
   app->add_option("--config", o->config,
-                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
+                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)")
+      ->type_name("FILE");
   constexpr int kMost = raven2_trainer::render::SessionRenderer::kMaxProcesses;
   app->add_option(
          "--processes", o->render.processes,
@@ -211,10 +213,10 @@ int main(int argc, char** argv) {
   CLI::App app{"Makes a video of each recorded session, from the first pedal-down to the end.", "render_session"};
   app.footer(
       "A whole session gives round(duration x fps) frames; frame k shows the newest record at time k / fps.\n"
-      "An existing video is kept if it is complete and of the same log, options, configuration and build. A render that\n"
-      "was killed continues when it is started again; its parts are in video.parts until then, also with --again.\n"
+      "An existing video is kept if it is complete and of the same log, options, configuration and build. A killed\n"
+      "render continues when it is started again, with or without --again; its parts are in video.parts.\n"
       "Refuses a session that is still being recorded. Needs ffmpeg, no display and no graphics card.\n"
-      "Exit status: 0 all written, 1 otherwise; after a session that fails the others are rendered.");
+      "Exit status: 0 all written, else failed; after a session that fails the others are rendered.");
   Options options;
   addOptions(&app, &options);
   return raven2_trainer::apps::runProgram(&app, argc, argv, [&] { return renderSessions(options); });

@@ -35,9 +35,10 @@ void addOptions(CLI::App* app, Options* o) {
   app->add_option("--delay", o->delay, "Time before the first message, for subscribers to connect [s]")
       ->check(CLI::Range(0.0, 60.0))
       ->capture_default_str();
-  app->add_flag("--set-sim-time", o->replay.set_sim_time, "Set the parameter /use_sim_time if it is not set");
+  app->add_flag("--set-sim-time", o->replay.set_sim_time, "Set the parameter /use_sim_time to true");
   app->add_option("--config", o->config,
-                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)");
+                  "Root configuration file (default: the session's own copy, and the packaged config/render.yaml)")
+      ->type_name("FILE");
 }
 
 enum class Ready { kYes, kNo, kSignal };
@@ -79,8 +80,8 @@ int main(int argc, char** argv) {
   apps::blockSignals();
   CLI::App app{"Publishes a recorded session on ROS: the daemon's topics, /tf and /clock, with the log's time stamps."};
   app.footer(
-      "Set the parameter /use_sim_time before the subscribers start. Do not run it together with a daemon: the topics\n"
-      "are the same. Exit status: 0 the end of the log or a signal, 1 otherwise.");
+      "Needs the parameter /use_sim_time, true before subscribers start. Do not run it together with a daemon: the\n"
+      "topics are the same. Exit status: 0 the end of the log or a signal, else failed.");
   Options options;
   addOptions(&app, &options);
   return apps::runProgram(&app, argc, argv, [&] { return run(options, argc, argv); });

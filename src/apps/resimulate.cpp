@@ -10,9 +10,9 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   std::string directory, output;
   CLI::App app{
-      "Simulates a recorded session again and compares each tick bit for bit. Exit status: 0 equal, 1 different or "
-      "impossible."};
+      "Simulates a recorded session again and compares each tick bit for bit. Exit status: 0 equal, else "
+      "different or impossible."};
   app.add_option("session", directory, "Session directory, with session.rlog and configuration/")->required();
-  app.add_option("--output", output, "Directory for the new session (default: writes no session)");
+  app.add_option("--output", output, "Directory for the new session (default: writes no session)")->type_name("DIR");
   return apps::runProgram(&app, argc, argv, [&] { return apps::resimulateSession(directory, output); });
 }

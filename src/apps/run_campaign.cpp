@@ -151,18 +151,21 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
-  CLI::App app{
-      "Runs a campaign of fault injections and writes outcomes.csv, one row per run. Exit status: 0 done, 1 failed, or a "
-      "fault never acted, a run has no outcome, or an outcome is neither the published one nor an explained one."};
+  CLI::App app{"Runs a campaign of fault injections and writes outcomes.csv, one row per run."};
+  app.footer(
+      "Exit status: 0 done; 1 failed, a fault never acted, a run has no outcome, an outcome is neither published nor\n"
+      "explained, or all runs of a scenario are unexpectedly masked; above 100 wrong arguments.");
   app.add_option("campaign", options.campaign, "Campaign: a name of config/campaigns, or FILE.yaml")->required();
-  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)");
+  app.add_option("--output", options.output, "Directory for the results")->type_name("DIR")->required();
   app.add_option("--seed", options.seed, "Seed of all random numbers")
       ->capture_default_str()
       ->check(CLI::Range(std::uint64_t{0}, std::uint64_t{1} << 53));
   apps::within(app.add_option("--jobs", options.jobs, "Runs at the same time"), 1, 1024);
-  app.add_option("--output", options.output, "Directory for the results")->required();
   app.add_option("--shard", options.shard, "I/N: run part I of N only; merge_campaign joins the parts")
+      ->type_name("I/N")
       ->capture_default_str();
   app.add_flag("--resume", options.resume, "Continue an interrupted run of the same campaign");
+  app.add_option("--config", options.config, "Root configuration file (default: the packaged config/trainer.yaml)")
+      ->type_name("FILE");
   return apps::runProgram(&app, argc, argv, [&] { return run(options); });
 }

@@ -12,16 +12,17 @@ int main(int argc, char** argv) {
       "Scores a recorded session: metrics, responses to hazards, and whether each attempt passed.",
       "score_session"};
   app.footer(
-      "Writes DIR/score.json (always the same bytes) and, for a trainee, an entry in index.json next to DIR, as simulator\n"
+      "Writes DIR/score.json (always the same bytes) and, for a trainee, an entry in index.json next to DIR, as "
+      "simulator\n"
       "and simulate do at the end of a session with an exercise. Metrics, bands and both files: doc/scores.md.\n"
-      "Exit status: 0 scored, 1 otherwise.");
+      "Exit status: 0 scored, else failed.");
   std::string directory;
   recording::ScoringOptions options;
   app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
-  app.add_option("--output", options.output, "File to write (default: DIR/score.json)");
-  app.add_option("--band", options.band, "Band of the experts to compare with (default: the session's)");
+  app.add_option("--output", options.output, "File to write (default: DIR/score.json)")->type_name("FILE");
+  app.add_option("--band", options.band, "File of the experts' band (default: the session's)")->type_name("FILE");
   app.add_option("--trainee", options.trainee, "ID for the index: 1 to 32 of a-z, 0-9, _, - (default: the session's)");
-  app.add_option("--index", options.index, "Index of sessions (default: index.json next to DIR)");
+  app.add_option("--index", options.index, "Index of sessions (default: index.json next to DIR)")->type_name("FILE");
   app.add_flag("--no-index", options.no_index, "Do not change the index");
   return apps::runProgram(&app, argc, argv, [&] {
     const recording::ScoredSession scored = recording::scoreRecorded(directory, options);

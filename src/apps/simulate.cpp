@@ -136,7 +136,7 @@ void addFromLog(CLI::App* app, std::string* directory) {
   CLI::Option* from_log = app->add_option(
       "--from-log", *directory,
       "Simulate this session again and compare each tick bit for bit, as resimulate does (exit status 1: different); "
-      "writes a session only with --output");
+      "takes no other option but --output, which writes a session");
   for (CLI::Option* other : app->get_options()) {
     const std::string name = other->get_name();
     if (other != from_log && name != "--output" && name != "--help") from_log->excludes(other);
@@ -159,13 +159,13 @@ int main(int argc, char** argv) {
   app.add_option("--motion-scale", options.motion_scale,
                  "Motion scale of the master (default: the configuration's)")
       ->check(CLI::Range(0.001, 1.0));
-  app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
+  app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)")->type_name("DIR");
   app.add_option("--homing", options.homing, "full: search the hard stops; quick: start with known joints (default: the configuration's)")
       ->check(CLI::IsMember({"full", "quick"}));
   app.add_option("--impair", options.impairment,
                  "Bad link between console and daemon: a name of config/impairments or FILE.yaml")
       ->capture_default_str();
-  app.add_option("--replay", options.replay, "Replay this session first: its directory or its log");
+  app.add_option("--replay", options.replay, "Replay this session first: its directory or its log")->type_name("DIR");
   app.add_flag("--video", options.video, "Render video.mp4 afterwards");
   addFromLog(&app, &options.from_log);
   return apps::runProgram(&app, argc, argv, [&] {

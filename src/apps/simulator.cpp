@@ -106,8 +106,9 @@ int main(int argc, char** argv) {
   app.add_option("--duration", options.duration, "Session time from the first pedal-down [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
-  app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)");
-  app.add_option("--motion-label", options.motion, "Name of the console's motion, for the record only");
+  app.add_option("--output", options.output, "Session directory (default: sessions/<UTC stamp>)")->type_name("DIR");
+  app.add_option("--motion-label", options.motion, "Who moves the arms, in words, for the record only")
+      ->type_name("TEXT");
   app.add_flag(
       "--strict", options.strict,
       "Refuse to start without real-time priority and locked memory, with preloaded libraries, or with files that "

@@ -94,12 +94,14 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   apps::blockSignals();
   Options options;
-  CLI::App app{"Measures whether this computer is fast enough for the 1 kHz loops. Exit status: 0 yes, 1 no or failed."};
+  CLI::App app{
+      "Measures whether this computer is fast enough for the 1 kHz loops. Exit status: 0 yes or --bare, else no."};
   options.common.add(&app, /*with_ports=*/false);
+  apps::CommonOptions::ignore(&app, {"--hazard", "--drill", "--trainee", "--curriculum", "--seed", "--plant"});
   apps::within(app.add_option("--duration", options.duration, "Length of the measurement [s]"), 1.0, 86400.0);
-  apps::within(app.add_option("--calibrate", options.calibrate, "Length of the comparison with empty threads [s]"), 1.0,
+  apps::within(app.add_option("--calibrate", options.calibrate, "Length of the comparison with bare threads [s]"), 1.0,
                3600.0);
-  app.add_flag("--bare", options.only_bare, "Only the empty threads, for --calibrate seconds or until a signal");
-  app.add_option("--json", options.json, "JSON file to write the figures to");
+  app.add_flag("--bare", options.only_bare, "Only bare, idle threads, for --calibrate seconds or until a signal");
+  app.add_option("--json", options.json, "JSON file to write the figures to")->type_name("FILE");
   return apps::runProgram(&app, argc, argv, [&] { return check(options); });
 }

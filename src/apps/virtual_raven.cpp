@@ -113,16 +113,24 @@ int main(int argc, char** argv) {
   using namespace raven2_trainer;
   Options options;
   CLI::App app{"Emulates a Raven-II robot: control software, motors and arms. Takes the place of the real robot."};
+  app.footer("Exit status: 0 done, 1 failed (stderr says why), 139 crashed by a fault, above 100 wrong arguments.");
   options.common.add(&app, /*with_ports=*/true);
+  apps::CommonOptions::ignore(&app, {"--exercise", "--hazard", "--drill", "--trainee", "--curriculum", "--seed",
+                                     "--arm-contacts", "--master-port", "--force-port", "--sight-port"});
   app.add_option("--duration", options.duration, "Run time [s]; 0: until stopped")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 86400.0));
   app.add_option("--homing", options.homing, "full: search the hard stops; quick: start with known joints (default: the configuration's)")
       ->check(CLI::IsMember({"full", "quick"}));
-  app.add_option("--behaviour", options.behaviour, "compat: accept packets by a real Raven's rules (default: the configuration's)")
+  app.add_option("--behaviour", options.behaviour,
+                 "Check packets weakly, as a real Raven, or strictly (default: the configuration's)")
       ->check(CLI::IsMember({"compat", "hardened"}));
-  auto* input = app.add_option("--replay", options.replay, "Recorded packets (.csv or .csv.gz) instead of sockets and ROS");
-  app.add_option("--output", options.output, "Recording of the states to write (.csv or .csv.gz)")->needs(input);
+  auto* input =
+      app.add_option("--replay", options.replay, "Recorded packets (.csv or .csv.gz) instead of sockets and ROS")
+          ->type_name("FILE");
+  app.add_option("--output", options.output, "Recording of the states to write (.csv or .csv.gz)")
+      ->type_name("FILE")
+      ->needs(input);
   app.add_flag("--skip-homing", options.replay_options.skip_homing, "Start the replay from the home pose in PEDAL_UP")
       ->needs(input);
   app.add_option("--press-start", options.replay_options.press_start,

@@ -58,10 +58,10 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
   app->add_option("--exercise", training.exercise, "Exercise of config/exercises, or none (default: the configuration's)")
       ->type_name("NAME");
   app->add_option("--hazard", hazard,
-                  "Hazard that starts by itself, or none (default: the configuration's); --drill replaces it")
+                  "Hazard that starts by itself, or none (default: the configuration's; none with --exercise)")
       ->type_name("NAME");
   app->add_option("--drill", training.drill,
-                  "Hazard that strikes during the exercise: own (the exercise's), a hazard of config/faults, or none")
+                  "Hazard in the exercise, replaces --hazard: own (the exercise's), one of config/faults, or none")
       ->type_name("NAME");
   app->add_option("--trainee", training.trainee, "ID of the trainee: at most 32 of a-z, 0-9, _ and -")->type_name("ID");
   app->add_option("--curriculum", training.curriculum, "Curriculum of config/curricula that the session counts for")
@@ -78,6 +78,11 @@ void CommonOptions::add(CLI::App* app, bool with_ports) {
   if (with_ports) addPorts(app);
 }
 
+void CommonOptions::ignore(CLI::App* app, std::initializer_list<const char*> names) {
+  for (const char* name : names)
+    app->get_option(name)->group(kIgnored);
+}
+
 void CommonOptions::addPorts(CLI::App* app) {
   const auto port = [&](const char* name, int* value, const char* use, int least) {
     app->add_option(name, *value, use)->type_name("N")->group(kPorts)->check(CLI::Range(least, 65535));
@@ -85,7 +90,7 @@ void CommonOptions::addPorts(CLI::App* app) {
   port("--master-port", &master_port, "UDP, console to daemon", 0);
   port("--robot-port", &robot_port, "UDP, daemon to robot", 1);
   port("--force-port", &force_port, "UDP, daemon to console: forces", 1);
-  port("--sight-port", &sight_port, "UDP, daemon to console: pictures", 1);
+  port("--sight-port", &sight_port, "UDP, daemon to console: poses", 1);
   port("--state-port", &state_port, "TCP, robot to daemon", 1);
 }
 

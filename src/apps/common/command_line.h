@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <initializer_list>
 #include <string>
 
 #include "raven2_trainer/config/load_training.h"
@@ -26,6 +27,8 @@ struct CommonOptions {
 
   void add(CLI::App* app, bool with_ports);
   void addPorts(CLI::App* app);
+  /** Options that the program accepts, as launch files give them to all, and does not use: --help has them last. */
+  static void ignore(CLI::App* app, std::initializer_list<const char*> names);
   /** @param[in] overrides of the files' values; options go before them. @throw ConfigException. */
   TrainerConfig load(const config::Overrides& overrides = {}) const;
 };

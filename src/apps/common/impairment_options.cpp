@@ -66,8 +66,10 @@ Impairment impairmentByName(const std::string& name, const std::string& config) 
 }
 
 void ImpairmentOptions::add(CLI::App* app) {
-  app->add_option("--udp", udp, "UDP link [ADDRESS:]PORT:HOST:PORT; replies go to the last sender; may be repeated");
-  app->add_option("--tcp", tcp, "TCP link [ADDRESS:]PORT:HOST:PORT; may be repeated");
+  app->add_option("--udp", udp,
+                  "UDP link [ADDRESS:]LISTEN_PORT:HOST:PORT; replies go to the last sender; may be repeated")
+      ->type_name("LINK");
+  app->add_option("--tcp", tcp, "TCP link [ADDRESS:]LISTEN_PORT:HOST:PORT; may be repeated")->type_name("LINK");
   app->add_option("--profile", profile, "Preset of config/impairments, FILE.yaml or none")->capture_default_str();
   app->add_option("--back-profile", back_profile,
                   "Preset for the opposite direction (default: --profile and the values below)");
@@ -78,7 +80,7 @@ void ImpairmentOptions::add(CLI::App* app) {
                   "P,R: probability per packet that a burst of loss begins, and that it ends (Gilbert-Elliott)")
       ->delimiter(',')
       ->expected(2);
-  app->add_option("--runs", runs, "P,N: with probability P exactly N packets in a row are lost")
+  app->add_option("--runs", runs, "P,N: probability P per packet that exactly N packets in a row are lost")
       ->delimiter(',')
       ->expected(2);
   app->add_option("--delay-ms", delay_ms, "Delay [ms]")->check(CLI::Range(0.0, kMaxMs));

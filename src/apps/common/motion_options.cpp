@@ -13,15 +13,17 @@ constexpr double kLongestReaction = 60000.0;  // [ms]
 }  // namespace
 
 void MotionOptions::add(CLI::App* app) {
-  app->add_option("--motion", motion,
-                  "Simulated surgeon: scripted, recording:FILE (CSV of tip positions), expert or clumsy:NAME "
-                  "(doc/exercises.md); in simulate also commands:FILE (of a Python session)")
+  app->add_option(
+         "--motion", motion,
+         "Simulated surgeon: scripted, recording:FILE (CSV of tip positions); with --exercise expert or clumsy:NAME "
+         "(doc/exercises.md); in simulate also commands:FILE (of a Python session)")
       ->capture_default_str();
   app->add_option("--reaction", reaction,
                   "Time from a force, or a visible gap between robot and model, to the pedal-up [ms]; none: the "
                   "simulated surgeon never reacts")
+      ->type_name("MS")
       ->capture_default_str();
-  app->add_option("--truth", truth, "CSV file: what the simulated surgeon did, packet by packet");
+  app->add_option("--truth", truth, "CSV file: a row for each action of the simulated surgeon")->type_name("FILE");
 }
 
 console::MotionChoice MotionOptions::choice() const {
