@@ -104,7 +104,7 @@ int main(int argc, char** argv) {
       "  q1..q7, dq1..dq7, tau1..tau7   model: joint position, velocity, torque\n"
       "  rq1..rq7, rdq1..rdq7           robot: joint position, velocity\n"
       "  px..pz, rpx..rpz               tool tip of model and robot in the arm's base frame\n"
-      "  fx..fz, fault                  force cue; hazard that acts, anywhere\n"
+      "  fx..fz, fault                  force cue; name of the acting hazard\n"
       "jigsaws: 30 Hz, 76 columns, and the exercise's steps in NAME_labels.txt. rosbag: the simulator's topics.\n"
       "hdf5, lerobot: one data set of all DIRs, with the truth about the hazards (doc/python.md).\n"
       "More: doc/session.md, doc/report.md. Exit status: 0 written, else failed.");

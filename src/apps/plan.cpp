@@ -188,7 +188,7 @@ int main(int argc, char** argv) {
   app.add_option("--ompl-log", options.ompl_log,
                  "File to write: OMPL's benchmark log, for ompl_benchmark_statistics.py")
       ->type_name("FILE");
-  app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of Li et al. 2017 there");
+  app.add_flag("--plot", options.plot, "Draw Figures 7 and 8 of Li et al. 2017 in --output");
   app.add_option("--config", options.common.config,
                  "Root configuration file (default: the packaged config/trainer.yaml)")
       ->type_name("FILE");

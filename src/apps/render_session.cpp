@@ -51,7 +51,8 @@ void addOptions(CLI::App* app, Options* o) {
       ->delimiter(',');
   app->add_option("--size", o->size,
                   "Size of the picture: WIDTHxHEIGHT, each even and 64 to 4096 (default: config/render.yaml)")
-      ->check(CLI::Validator(checkSize, "WxH"));
+      ->type_name("WxH")
+      ->check(CLI::Validator(checkSize, ""));
   app->add_option("--fps", o->fps, "Frames per second (default: config/render.yaml)")->check(CLI::Range(1, 120));
   app->add_option("--from", o->render.from, "Session time of the first frame [s]; needs --output")
       ->check(CLI::Range(0.0, 1e6));

@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
   app.add_option("DIR", directory, "Session directory, with session.rlog")->required();
   app.add_option("--output", options.output, "File to write (default: DIR/score.json)")->type_name("FILE");
   app.add_option("--band", options.band, "File of the experts' band (default: the session's)")->type_name("FILE");
-  app.add_option("--trainee", options.trainee, "ID for the index: 1 to 32 of a-z, 0-9, _, - (default: the session's)");
+  app.add_option("--trainee", options.trainee, "ID for the index: 1 to 32 of a-z, 0-9, _, - (default: the session's)")
+      ->type_name("ID");
   app.add_option("--index", options.index, "Index of sessions (default: index.json next to DIR)")->type_name("FILE");
   app.add_flag("--no-index", options.no_index, "Do not change the index");
   return apps::runProgram(&app, argc, argv, [&] {

@@ -31,11 +31,12 @@ from robomimic.utils.dataset import SequenceDataset
 robomimic.utils.obs_utils.initialize_obs_utils_with_obs_specs({"obs": {"low_dim": ["state", "objects"], "rgb": ["endoscope_image"]}})
 def opened(split):
     return SequenceDataset(hdf5_path=sys.argv[1], obs_keys=("state", "objects", "endoscope_image"), dataset_keys=("actions", "rewards", "dones"),
-                           frame_stack=1, seq_length=10, hdf5_cache_mode="low_dim", load_next_obs=False, filter_by_attribute=split)
+                           frame_stack=1, seq_length=10, hdf5_cache_mode="low_dim", load_next_obs=True, filter_by_attribute=split)
 data = opened(None)
 first = data[0]
 assert (len(data), len(opened("nominal")), len(opened("recovery"))) == (330, 60, 270), len(data)
 assert first["actions"].shape == (10, 14) and first["obs"]["endoscope_image"].shape[1:] == (120, 160, 3), first["obs"]["endoscope_image"].shape
+assert (first["next_obs"]["state"][:-1] == first["obs"]["state"][1:]).all() and first["next_obs"]["endoscope_image"].shape[0] == 10
 print("opened")
 """
 

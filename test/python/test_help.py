@@ -52,7 +52,7 @@ def entries(text):
     found, current = [], None
     is_list = is_cli11 = False
     for line in text.splitlines():
-        if re.match(r"^(options|positional arguments|Options|Arguments|Network ports|Subcommands):$", line):
+        if re.match(r"^(options|positional arguments|Options|Arguments|Network ports|Accepted, without effect here|Subcommands):$", line):
             is_list, is_cli11 = True, line[0].isupper()
         elif line and not line.startswith(" "):
             is_list = False

@@ -57,7 +57,7 @@ class MotionSource {
   virtual ~MotionSource() = default;
   virtual Intent tick(const Senses& senses) = 0;
   /** Real hands on real devices: their motion includes the force's effect already, so it is not added.
-   * They are read before the robot is ready. */
+   * They are read even before the robot is ready. */
   virtual bool isReal() const noexcept { return false; }
 };
 

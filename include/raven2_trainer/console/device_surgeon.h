@@ -51,12 +51,12 @@ class DeviceWatch {
 };
 
 /**
- * Hands on one or two real devices, or on a gamepad. A press of the pedal counts if no problem is found. A device
- * that goes silent, jumps or leaves its reach ends that; the pedal must be released and pressed again. A hand starts at
- * its first pose after the press. Earlier motion moves nothing, even if it is reported late. Between poses slower than
- * 1 kHz the hand moves evenly: within the time since the last pose (at least the usual time, at most 20 ms), in steps
- * that fit into a packet at config.scale. Jaws move only while engaged, at config.jaw_speed; after a new press they
- * catch up with the finger. `link` must outlive it. Its tick() is real-time safe.
+ * Hands on one or two real devices, or on a gamepad. A press of the pedal counts if no problem is found. A device that
+ * goes silent, jumps or leaves its reach lifts it; it must be released and pressed again. A hand starts at its first
+ * pose after the press. Earlier motion moves nothing, even if it is reported late. Between poses slower than 1 kHz the
+ * hand moves evenly: within the time since the last pose (at least the usual time, at most 20 ms), in steps that fit
+ * into a packet at config.scale. Jaws move only while engaged, at config.jaw_speed; after a new press they catch up
+ * with the finger. `link` must outlive it. Its tick() is real-time safe.
  * @param[in] jaws [rad] opening of each arm's jaws at the start.
  */
 std::unique_ptr<MotionSource> makeDeviceSurgeon(const MasterConfig& config,

@@ -10,7 +10,7 @@
 
 namespace raven2_trainer::console {
 
-/** References to parts of the configuration, which outlives it. */
+/** References to configuration parts, which must outlive it. */
 struct SurgeonConfig {
   const ConsoleConfig& console;
   const ArmsConfig& arms;

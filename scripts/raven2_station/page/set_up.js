@@ -3,7 +3,7 @@
 import { byId, fill, option } from "/static/link.js";
 import { anchor, driverText, page, plain, say } from "/static/instructor_parts.js";
 
-const SEVERITY = { high: "Severe", medium: "Moderate", low: "Light", none: "No harm expected" };
+const SEVERITY = { high: "Severe", medium: "Moderate", low: "Light", none: "No harm on record" };
 
 export function showLibrary() {
   fill(byId("trainees"), page.library.trainees.map((t) => option(t, t)), false);

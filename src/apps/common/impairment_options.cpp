@@ -37,7 +37,7 @@ std::uint16_t toPort(const std::string& text, const std::string& all, long low) 
 proxy::ProxyLink toLink(const std::string& text, impair::Medium medium) {
   std::vector<std::string> parts = splitAtColons(text);
   if (parts.size() == 3) parts.insert(parts.begin(), "127.0.0.1");
-  if (parts.size() != 4) throw ConfigException("link \"" + text + "\", expected [ADDRESS:]PORT:HOST:PORT");
+  if (parts.size() != 4) throw ConfigException("link \"" + text + "\", expected [ADDRESS:]LISTEN_PORT:HOST:PORT");
   proxy::ProxyLink link;
   link.medium = medium;
   link.listen_address = parts[0];
@@ -147,7 +147,7 @@ proxy::ProxyOptions ImpairmentOptions::load() const {
     options.links.push_back(toLink(text, impair::Medium::kDatagrams));
   for (const std::string& text : tcp)
     options.links.push_back(toLink(text, impair::Medium::kStream));
-  if (options.links.empty()) throw ConfigException("no link given: --udp or --tcp [ADDRESS:]PORT:HOST:PORT");
+  if (options.links.empty()) throw ConfigException("no link given: --udp or --tcp [ADDRESS:]LISTEN_PORT:HOST:PORT");
   for (proxy::ProxyLink& link : options.links) {
     link.forward = forward;
     link.back = back;
