@@ -120,8 +120,8 @@ std::string settingsYaml(const DetectorConfig& c) {
       "mitigate: %-13s # off | hold: write the last safe command while the alarm lasts | stop: software E-stop\n",
       kMitigationNames[static_cast<std::size_t>(c.mitigate)]);
   text += recording::format(
-      "rule: %-17s # published: DSN 2016, one step ahead | departure: the command's predicted effect, and the "
-      "tip's\n",
+      "rule: %-17s # published: DSN 2016, one step ahead | departure: the motor's and tip's predicted "
+      "departure\n",
       kDetectorRuleNames[static_cast<std::size_t>(c.rule)]);
   text += recording::format("factor: %-15g # [-] [0.01, 100] on all thresholds\n", c.factor);
   text += recording::format(
@@ -135,7 +135,7 @@ std::string settingsYaml(const DetectorConfig& c) {
   text += recording::format(
       "persistence: %-10g # [s] [0, 1] assumed duration of a command beyond the robot's clip; tuned\n", c.persistence);
   text += recording::format(
-      "suspicion: %-12g # [-] [0.01, 100] share of an alarm from which motion is not the surgeon's; tuned\n",
+      "suspicion: %-12g # [-] [0.01, 100] size (alarm: 1) above which motion is not the surgeon's; tuned\n",
       c.suspicion);
   text += recording::format("suspicion_time: %-7g # [s] [0, 1] longest suspicion; tuned\n", c.suspicion_time);
   text += recording::format(

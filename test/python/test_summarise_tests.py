@@ -1,4 +1,5 @@
 """scripts/summarise_tests: which tests it counts as passed, failed and skipped."""
+import os
 import pathlib
 import subprocess
 import sys
@@ -22,8 +23,9 @@ def run(folder, status=0, log="", name="plain", **files):
     return ["--run", name, str(results), str(status), str(log_file)]
 
 
-def summarise(*runs):
-    done = subprocess.run([sys.executable, str(SCRIPT), *sum(runs, [])], capture_output=True, text=True, check=False)
+def summarise(*runs, full=False):
+    done = subprocess.run([sys.executable, str(SCRIPT), *sum(runs, [])], capture_output=True, text=True, check=False,
+                          env={**os.environ, "RAVEN2_TRAINER_FULL": "1" if full else "0"})
     return done.returncode, done.stdout.splitlines()
 
 
@@ -54,6 +56,12 @@ def test_nothing_skipped_is_not_mentioned(tmp_path):
 def test_a_failure_names_the_command_that_repeats_it(tmp_path, run_name, file, case, again):
     lines = summarise(run(tmp_path, 8, name=run_name, **{file: f"<testsuite>{case}</testsuite>"}))[1]
     assert f"  again: {again}" in lines
+
+
+@pytest.mark.parametrize("name, build", [("asan", "asan"), ("tsan", "tsan"), ("tsan_threaded", "tsan")])
+def test_a_failure_under_a_sanitizer_of_a_full_run_is_repeated_in_its_build(tmp_path, name, build):
+    lines = summarise(run(tmp_path, 8, name=name, core=BAD), full=True)[1]
+    assert f"  again: GTEST_FILTER='A.a' ctest --test-dir build/{build} --output-on-failure -R '^core$'" in lines
 
 
 def test_a_failure_says_why_in_few_lines(tmp_path):
