@@ -15,7 +15,7 @@ namespace raven2_trainer::net {
 namespace {
 
 // Many clients must not fill it between two polls: a client that finds it full tries again after a second.
-constexpr int kAcceptBacklog = 128;
+constexpr int kAcceptBacklog = 1024;
 constexpr int kAcceptsPerPoll = 8;
 constexpr int kReadsPerPoll = 4;
 constexpr std::size_t kReadSize = 4096;

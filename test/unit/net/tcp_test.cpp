@@ -499,6 +499,16 @@ TEST(Tcp, WhoeverLeftBeforeItWasTakenCostsNothing) {
   EXPECT_EQ(server.clientsRefused(), 0U);
 }
 
+TEST(Tcp, FiveHundredConnectionsBetweenTwoPollsWaitForTheirTurn) {
+  const TcpServer server(kLoopback, 0);
+  std::vector<std::unique_ptr<TcpClient>> crowd;
+  for (int i = 0; i < 500; ++i) {
+    crowd.push_back(std::make_unique<TcpClient>(kLoopback, server.port(), 0.1, 1.0));
+    crowd.back()->poll(0, 20);
+    ASSERT_FALSE(crowd.back()->isConnecting()) << i << ": the queue is full";
+  }
+}
+
 TEST(TcpClient, PausesDoubleUpToTheLongest) {
   // GIVEN a port where nobody listens and a clock of our own
   TakenPort nobody;
