@@ -46,8 +46,12 @@ class Surgeon:
 
 
 def press(browser, surgeon):  # noqa: F811
-    """As a person does: again, if a busy machine let the pedal come up."""
+    """As a person does: a moment after the page says so, and again if a busy machine let the pedal come up.
+
+    A press in the robot's first 0.3 s does not count (start_delay of config/console.yaml). The next one counts after the
+    pedal was seen up."""
     for _ in range(3):
+        time.sleep(0.5)
         surgeon.pedal = True
         try:
             browser.until(lambda: browser.text("mode").startswith("The hands move the robot"), 3, "the hands move the robot")
