@@ -43,7 +43,7 @@ RULES = {
               "training"], PURE),
     "threads": (["core", "net"],
                 r"pthread\.h|semaphore\.h|sched\.h|malloc\.h|linux/capability\.h|sys/|unistd\.h|time\.h"),
-    "recording": (["core", "control", "config", "loop", "model", "planning", "session", "training", "render"],
+    "recording": (["core", "control", "config", "loop", "model", "planning", "raven", "session", "training", "render"],
                   PURE + r"|link\.h|nlohmann/"),
     "lockstep": (["core", "config", "wire", "impair", "model", "session", "raven", "console", "plant", "loop", "recording"], PURE),
     "robot": (["core", "config", "wire", "model", "net", "raven", "plant", "threads"], PURE),

@@ -2,7 +2,7 @@
 
 The log describes itself: its first record lists the fields of every other record, and the numpy types are built from
 that list, so this module knows no field by name. Format: doc/session.md. It is the session.py of the Python package as
-well: that is why this file is long.
+well (with raven2_formulas.py as formulas.py): that is why this file is long.
 
     import raven2_session                          # in scripts/; elsewhere: from raven2_trainer import session as raven2_session
     session = raven2_session.Session("sessions/2026-01-31T12-00-00Z")
@@ -25,6 +25,11 @@ import zlib
 
 import numpy as np
 
+try:
+    from . import formulas  # in the Python package
+except ImportError:
+    import raven2_formulas as formulas
+
 MAGIC = b"RV2L"
 FRAME = struct.Struct("<4sHHIQ")  # magic, type, version, payload length, record number
 CRC = struct.Struct("<I")
@@ -32,16 +37,20 @@ MAX_PAYLOAD = 16 * 1024  # bytes, of any record but the first
 MAX_HEADER = 1024 * 1024  # bytes, of the first
 MAX_CHUNK = 2304 * 1024  # bytes, of a chunk
 MAX_CONTENTS = 8 * 1024 * 1024  # bytes, of a chunk's contents
-CHUNK = (14, 1)  # type and version of a record that holds others, compressed
+CHUNK = 14  # type of a record that holds others, compressed
+CHUNK_VERSIONS = (1, 2)  # 1 has no formulas
 CHUNK_SPAN = struct.Struct("<qq")  # first and last physics tick of its records; then the compressed contents
 CHUNK_HEAD = struct.Struct("<II")  # records, groups
 CHUNK_GROUP = struct.Struct("<HHII")  # type, version, records, numbers in a record
 FORMS = (0x88, 8, 4, 2, 1)  # of a number: its bytes, and bit 7 for floating-point
 MAX_ORDER = 4  # of differences
+FORMULA_BIT = 0x80  # of an order: the number is kept as its difference to a formula's result
 MAX_GROUPS = 255
+MAX_FORMULAS = 16  # of a group
+MAX_FORMULA_ROWS = 1000  # records of a group with formulas
 ZSTD_MAGIC = bytes.fromhex("28b52ffd")
 FORMAT_NAME = "raven2_trainer session log"
-FORMAT_VERSIONS = (1, 2)  # 1 has no chunks
+FORMAT_VERSIONS = (1, 2, 3)  # 1 has no chunks, 2 no formulas
 NO_TRAINING = {"exercise": "none", "drill": "none", "trainee": "", "curriculum": "none"}
 
 
@@ -237,11 +246,11 @@ class SessionLog:
         first, last = CHUNK_SPAN.unpack_from(payload)
         return last < self._span[0] or first > self._span[1]
 
-    def _chunk_groups(self, payload, known):
+    def _chunk_groups(self, payload, version, known):
         """[(type, records, place)] that can be used, and whether that is all of known types. @throw ValueError."""
         if self._is_outside(payload):
             return [], True
-        ours = [(place, group) for place, group in enumerate(_Chunk(payload).groups)
+        ours = [(place, group) for place, group in enumerate(_Chunk(payload, version).groups)
                 if group.kind in known and known[group.kind][0] == group.version]
         usable = [(group.kind, group.count, place) for place, group in ours if group.length == known[group.kind][1]]
         return usable, len(usable) == len(ours)
@@ -254,7 +263,8 @@ class SessionLog:
         return array[(ticks >= self._span[0]) & (ticks <= self._span[1])]
 
     def _scan(self, data, position, end, known):
-        """[(offset, [(type, records, place in the chunk)], size of the chunk or 0)] of what is intact, of known types and lengths."""
+        """[(offset, [(type, records, place in the chunk)], (size, version) of the chunk or None)] of what is intact, of known
+        types and lengths."""
         found = []
         plain = {number: ((number, 1, 0),) for number in known}
         skipped_from = None  # start of a stretch without an intact record
@@ -262,17 +272,17 @@ class SessionLog:
         while position < end:
             state, kind, version, size = _look(data, position, end)
             body, is_whole = position + FRAME.size, True
-            if state == "intact" and (kind, version) == CHUNK:
+            if state == "intact" and kind == CHUNK and version in CHUNK_VERSIONS:
                 try:
-                    groups, is_whole = self._chunk_groups(data[body : body + size], known)
+                    groups, is_whole = self._chunk_groups(data[body : body + size], version, known)
                     if groups:
-                        found.append((body, groups, size))
+                        found.append((body, groups, (size, version)))
                 except ValueError:
                     state = "bad"
             elif state == "intact" and kind in known and known[kind][0] == version:
                 is_whole = size == known[kind][1]
                 if is_whole:
-                    found.append((body, plain[kind], 0))
+                    found.append((body, plain[kind], None))
             if state == "intact":
                 if skipped_from is not None:
                     self.bad_bytes += position - skipped_from
@@ -301,8 +311,10 @@ def _gathered(data, found, sizes):
         totals[number] += count * sizes[number]
     rows = {number: memoryview(bytearray(total)) for number, total in totals.items()}
     ends = dict.fromkeys(sizes, 0)
-    for offset, groups, chunk_size in found:
-        chunk = _Chunk(data[offset : offset + chunk_size]) if chunk_size else None
+    for offset, groups, chunk in found:
+        if chunk:
+            size, version = chunk
+            chunk = _Chunk(data[offset : offset + size], version)
         for number, count, place in groups:
             begin, size = ends[number], sizes[number]
             ends[number] = end = begin + count * size
@@ -341,13 +353,13 @@ def _contents(payload):
 
 
 # Records of a chunk that are alike; length: bytes of each.
-_Group = collections.namedtuple("_Group", "kind version count length forms orders planes")
+_Group = collections.namedtuple("_Group", "kind version count length forms orders formulas planes")
 
 
 class _Chunk:
     """`groups` of a chunk. @throw ValueError for what no writer makes."""
 
-    def __init__(self, payload):
+    def __init__(self, payload, version):
         contents = _contents(payload[CHUNK_SPAN.size :])
         try:
             records, count = CHUNK_HEAD.unpack_from(contents)
@@ -362,18 +374,51 @@ class _Chunk:
         if len(order) != records or np.bincount(order, minlength=count).tolist() != [head[2] for head in heads]:
             raise ValueError("not the records that it names")
         self.groups = []
-        for kind, version, rows, columns in heads:
-            forms, orders = contents[position : position + 2 * columns].reshape(2, columns)
-            position += 2 * columns
-            length = int((forms & 0x0F).sum())
-            if (not rows or not 0 < length <= MAX_PAYLOAD or kind in (0, CHUNK[0]) or not set(forms.tobytes()) <= set(FORMS)
-                    or orders.max() > MAX_ORDER or position + rows * length > len(contents)):
-                raise ValueError("no group of records")
-            planes = contents[position : position + rows * length]
-            self.groups.append(_Group(kind, version, rows, length, forms, orders, planes))
-            position += rows * length
+        for head in heads:
+            position = self._read_group(contents, position, head, version > 1)
         if position != len(contents):
             raise ValueError("too long")
+
+    def _read_group(self, contents, position, head, has_formulas):
+        """@return where it ends."""
+        kind, version, rows, columns = head
+        forms, codes = contents[position : position + 2 * columns].reshape(2, columns)
+        position += 2 * columns
+        length = int((forms & 0x0F).sum())
+        used, position = _read_formulas(contents, position, rows) if has_formulas else ([], position)
+        if (not rows or not 0 < length <= MAX_PAYLOAD or kind in (0, CHUNK) or not set(forms.tobytes()) <= set(FORMS)
+                or (codes & ~np.uint8(FORMULA_BIT)).max() > MAX_ORDER or (codes[forms != 0x88] >= FORMULA_BIT).any()
+                or not _are_in_order(used, forms, codes) or position + rows * length > len(contents)):
+            raise ValueError("no group of records")
+        planes = contents[position : position + rows * length]
+        self.groups.append(_Group(kind, version, rows, length, forms, codes, used, planes))
+        return position + rows * length
+
+
+def _read_formulas(contents, position, rows):
+    """(formulas, where they end). @throw ValueError."""
+    count = int(contents[position]) if position < len(contents) else 0
+    position += 1
+    if count > MAX_FORMULAS or (count and rows > MAX_FORMULA_ROWS):
+        raise ValueError("too many formulas, or records for them")
+    used = []
+    for _ in range(count):
+        used.append(formulas.Formula(contents, position))
+        position += used[-1].size
+    if sum(formula.is_robot for formula in used) > 1:
+        raise ValueError("the robot's formula is there twice")
+    return used, position
+
+
+def _are_in_order(used, forms, codes):
+    """Whether each number that a formula needs is known by then, and all are at the end."""
+    is_known = codes < FORMULA_BIT
+    for formula in used:
+        if not formula.fits(forms) or not all(is_known[first : first + width].all() for first, width in formula.needs):
+            return False
+        for first, width in formula.gives:
+            is_known[first : first + width] = True
+    return bool(is_known.all())
 
 
 @functools.lru_cache(maxsize=64)
@@ -398,18 +443,52 @@ def _read_rows(group, rows):
     for form, columns, stretches in _layout(group.forms.tobytes()):
         width = form & 0x0F
         end = begin + width * len(columns) * count
-        by_order = np.argsort(-group.orders[columns].astype(int), kind="stable")  # the columns' order in the data
+        orders = group.orders[columns] & ~np.uint8(FORMULA_BIT)
+        by_order = np.argsort(-orders.astype(int), kind="stable")  # the columns' order in the data
         planes = group.planes[begin:end].reshape(width, len(columns), count)
-        numbers = _numbers(planes, group.orders[columns][by_order], form >= 0x80)
+        numbers = _numbers(planes, orders[by_order])
+        if form >= 0x80:
+            plain = group.orders[columns][by_order] < FORMULA_BIT
+            numbers = np.where(plain[:, None], _ordered(numbers), numbers) if group.formulas else _ordered(numbers)
         sorted_back = np.empty((count, len(columns)), numbers.dtype)
         sorted_back[:, by_order] = numbers.T
         values = sorted_back.view(np.uint8)
         for first, last, offset in stretches:
             rows[:, offset : offset + (last - first) * width] = values[:, first * width : last * width]
         begin = end
+    if group.formulas:
+        _add_formulas(group, rows)
 
 
-def _numbers(planes, orders, is_float):
+def _add_formulas(group, rows):
+    """To the records, in which some numbers are still differences to the results of formulas."""
+    offsets = np.concatenate([[0], np.cumsum(group.forms & 0x0F, dtype=np.int64)])
+
+    def columns(first, width, dtype):
+        return np.ascontiguousarray(rows[:, offsets[first] : offsets[first + width]]).view(dtype)
+
+    is_known = group.orders < FORMULA_BIT
+    for formula in group.formulas:
+        needed = [columns(first, width, "<i8")[:, 0] if width == 1 else np.ascontiguousarray(columns(first, width, "<f8").T)
+                  for first, width in formula.needs]
+        results = _ordered(formula.results(needed).view("<u8"))
+        place = 0
+        for first, width in formula.gives:
+            residuals = columns(first, width, "<u8")
+            sums = _ordered(residuals + results[place : place + width].T)
+            mixed = np.where(is_known[first : first + width], residuals, sums)
+            rows[:, offsets[first] : offsets[first + width]] = np.ascontiguousarray(mixed).view(np.uint8)
+            is_known[first : first + width] = True
+            place += width
+
+
+def _ordered(bits):
+    """Bits of f64 as integers that grow with them, and the reverse."""
+    negative = bits >> np.uint64(63)
+    return bits ^ ((np.uint64(0) - negative) >> np.uint64(1))
+
+
+def _numbers(planes, orders):
     """Array (column, record) of the unsigned numbers whose bytes these are, lowest first; highest orders come first."""
     width, columns, count = planes.shape
     split = np.empty((columns, count, width), np.uint8)
@@ -425,9 +504,6 @@ def _numbers(planes, orders, is_float):
     for order in range(1, int(orders.max(initial=0)) + 1):
         part = numbers[: np.count_nonzero(orders >= order)]
         np.cumsum(part, axis=1, dtype=part.dtype, out=part)
-    if is_float:
-        negative = numbers >> np.uint64(63)
-        numbers ^= (np.uint64(0) - negative) >> one
     return numbers
 
 
@@ -436,13 +512,13 @@ def _look(data, position, end, limit=MAX_PAYLOAD):
     if end - position < FRAME.size:
         return "cut", 0, 0, 0
     magic, kind, version, size, _ = FRAME.unpack_from(data, position)
-    if magic != MAGIC or size > max(limit, MAX_CHUNK if kind == CHUNK[0] else 0):
+    if magic != MAGIC or size > max(limit, MAX_CHUNK if kind == CHUNK else 0):
         return "bad", 0, 0, 0
     body = position + FRAME.size + size
     if body + CRC.size > end:
         return "cut", 0, 0, 0
     begin = position + FRAME.size + CHUNK_SPAN.size
-    if (kind, version) == CHUNK and data[begin : begin + len(ZSTD_MAGIC)] != ZSTD_MAGIC:
+    if kind == CHUNK and version in CHUNK_VERSIONS and data[begin : begin + len(ZSTD_MAGIC)] != ZSTD_MAGIC:
         return "bad", 0, 0, 0  # the CRC of what is so long takes time
     intact = zlib.crc32(data[position:body]) == CRC.unpack_from(data, body)[0]
     return ("intact" if intact else "bad"), kind, version, size
@@ -462,9 +538,9 @@ def _read_header(path, data):
         header = json.loads(data[FRAME.size : FRAME.size + size])
     except ValueError as error:
         raise SessionError(f"{path}: first record: {error}") from None
-    if header.get("format") != FORMAT_NAME or header.get("format_version") not in FORMAT_VERSIONS:
-        version = header.get("format_version")
-        raise SessionError(f"{path}: format version {version}, this program reads {' and '.join(map(str, FORMAT_VERSIONS))}")
+    version = header.get("format_version")
+    if header.get("format") != FORMAT_NAME or type(version) is not int or version not in FORMAT_VERSIONS:
+        raise SessionError(f"{path}: format version {version}, this program reads {FORMAT_VERSIONS[0]} to {FORMAT_VERSIONS[-1]}")
     return header, FRAME.size + size + CRC.size
 
 

@@ -9,12 +9,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kLeastScale = 1e-6;  ///< of what commands and torques are divided by
+constexpr double kLeastScale = 1e-6;  ///< of what commands, torques and motors' positions are divided by
 
 MotorAxis readAxis(Section& axes, const char* joint) {
   Section axis = axes.section(joint);
   MotorAxis m;
-  m.transmission = axis.number("transmission", 0, kAny);
+  m.transmission = axis.number("transmission", kLeastScale, kAny);
   m.torque_per_amp = axis.number("torque_per_amp", kLeastScale, kAny);
   m.counts_per_amp = axis.number("counts_per_amp", kLeastScale, kAny);
   m.kp = axis.number("kp", 0, kAny);

@@ -9,6 +9,7 @@
 
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
+#include "raven2_trainer/raven/cable_coupling.h"
 #include "raven2_trainer/session/configuration_copy.h"
 
 namespace raven2_trainer::recording {
@@ -100,6 +101,38 @@ void describeTraining(const TrainerConfig& config, session::LogHeader* header) {
     header->object_names.push_back(object.name);
 }
 
+std::array<JointArray, kJointCount> jointOfMotor(const VirtualRavenConfig& robot, Arm arm) {
+  const Eigen::Matrix<double, 7, 7> inverse = raven::CableCoupling(arm, robot).inverse();
+  std::array<JointArray, kJointCount> rows{};
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    for (std::size_t motor = 0; motor < kJointCount; ++motor)
+      rows[j][motor] = inverse(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(motor));
+  }
+  return rows;
+}
+
+session::ControlGains gainsOf(const ModelConfig& model, Arm arm) {
+  session::ControlGains gains;
+  for (std::size_t j = 0; j < kJointCount; ++j) {
+    gains.kp[j] = model.gains[j].kp;
+    gains.kd[j] = model.gains[j].kd;
+    gains.ki[j] = model.gains[j].ki;
+  }
+  if (arm == Arm::kGreen) gains.kd[kInsertion] = model.green_insertion_kd;
+  return gains;
+}
+
+session::TickConstants tickConstants(const TrainerConfig& config) {
+  session::TickConstants constants;
+  constants.d4 = config.arms.geometry.d4;
+  constants.lw = config.arms.geometry.lw;
+  for (const Arm arm : kArms) {
+    at(constants.joint_of_motor, arm) = jointOfMotor(config.virtual_raven, arm);
+    at(constants.gains, arm) = gainsOf(config.model, arm);
+  }
+  return constants;
+}
+
 }  // namespace
 
 session::LogHeader logHeader(const TrainerConfig& config,
@@ -135,7 +168,7 @@ Recorder::Recorder(const TrainerConfig& config,
     : shared_(*shared),
       paths_(paths),
       header_(logHeader(config, body_names, motion, paths)),
-      log_(paths.log(), header_),
+      log_(paths.log(), header_, tickConstants(config)),
       flight_(flight),
       metrics_(header_) {
   order_.reserve(kMostParts);

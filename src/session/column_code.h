@@ -32,23 +32,46 @@ class ColumnForm {
 
 constexpr std::uint8_t kMostDifferences = 4;  ///< a fifth order made no column of a session smaller (measured)
 
+/** How a column is kept: the order of its differences, and whether a formula's results (formula.h) are subtracted
+ * before. A byte in the log. */
+class ColumnCoding {
+ public:
+  static constexpr std::uint8_t kFormulaBit = 0x80;
+
+  explicit constexpr ColumnCoding(std::uint8_t code) noexcept : code_(code) {}
+
+  constexpr std::uint8_t order() const noexcept { return code_ & 0x7FU; }
+  constexpr bool hasFormula() const noexcept { return (code_ & kFormulaBit) != 0; }
+
+ private:
+  std::uint8_t code_;
+};
+
+/** Differences of an order, and what they would take. */
+struct ColumnChoice {
+  std::uint8_t order;
+  std::uint64_t cost;  ///< [bits]
+};
+
 /** Works on one column after the other; keeps its memory. */
 class ColumnCoder {
  public:
   /**
    * @param[in] values of `form.width()` bytes each, `stride` [bytes] apart.
+   * @param[in] predicted a formula's results, or null. Subtracted if that makes the numbers smaller.
    * @param[out] planes `form.width()` planes of `rows` bytes, lowest first, `plane_stride` [bytes] apart.
-   * @return order of the differences that makes the numbers smallest.
+   * @return the ColumnCoding that makes the numbers smallest.
    */
   std::uint8_t encode(ColumnForm form,
                       const std::uint8_t* values,
                       std::size_t stride,
                       std::size_t rows,
+                      const double* predicted,
                       std::uint8_t* planes,
                       std::size_t plane_stride);
-  /** The reverse. */
+  /** The reverse. Of a column with a formula, `values` are differences: addFormula() completes them. */
   void decode(ColumnForm form,
-              std::uint8_t order,
+              std::uint8_t code,
               const std::uint8_t* planes,
               std::size_t plane_stride,
               std::size_t rows,
@@ -57,8 +80,13 @@ class ColumnCoder {
 
  private:
   void read(ColumnForm form, const std::uint8_t* values, std::size_t stride, std::size_t rows);
+  ColumnChoice bestWith(const double* predicted);
 
-  std::vector<std::uint64_t> numbers_;  // of a column; in encode() only the first if all are equal
+  std::vector<std::uint64_t> numbers_;    // of a column; in encode() only the first if all are equal
+  std::vector<std::uint64_t> residuals_;  // of these to a formula's results
 };
+
+/** Adds a formula's results to the differences of one column. */
+void addFormula(const double* predicted, std::size_t rows, std::uint8_t* values, std::size_t stride) noexcept;
 
 }  // namespace raven2_trainer::session

@@ -126,8 +126,8 @@ LogHeader headerFromJson(const std::string& text) {
   const Json json = Json::parse(text);
   if (json.at("format") != kFormatName) throw std::runtime_error("not a session log");
   const Json& version = json.at("format_version");
-  if (version != 1 && version != kFormatVersion) {
-    throw std::runtime_error("format version " + version.dump() + ", this program reads 1 and " +
+  if (!version.is_number_integer() || version < 1 || version > kFormatVersion) {
+    throw std::runtime_error("format version " + version.dump() + ", this program reads 1 to " +
                              std::to_string(kFormatVersion));
   }
   checkLayouts(json.at("records"));

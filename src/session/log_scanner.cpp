@@ -14,7 +14,7 @@ constexpr std::size_t kWindow = 256 * 1024;  // [bytes] many records, so that mo
 
 /** A chunk of a later version is passed over as one record. */
 bool isChunk(const FrameHeader& header) {
-  return header.type == RecordType::kChunk && header.version == kChunkVersion;
+  return header.type == RecordType::kChunk && header.version >= 1 && header.version <= kChunkVersion;
 }
 
 std::size_t limitOf(const FrameHeader& header, bool is_first) {

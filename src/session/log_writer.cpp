@@ -39,7 +39,8 @@ struct LogWriter::Impl {
   ChunkPacker packer;
   bool finished{false};
 
-  explicit Impl(const std::string& file_path) : path(file_path), frame(kFrameHeaderSize + kMaxPayload + kCrcSize) {}
+  Impl(const std::string& file_path, const std::optional<TickConstants>& constants)
+      : path(file_path), frame(kFrameHeaderSize + kMaxPayload + kCrcSize), packer(constants) {}
 
   ~Impl() {
     commit();
@@ -172,11 +173,12 @@ struct LogWriter::Impl {
   }
 };
 
-LogWriter::LogWriter(const std::string& path, const LogHeader& header) : impl_(new Impl(path)) {
+LogWriter::LogWriter(const std::string& path, const LogHeader& header, const std::optional<TickConstants>& constants)
+    : impl_(new Impl(path, constants)) {
   impl_->create(headerToJson(header));
 }
 
-LogWriter::LogWriter(const std::string& path, const LogPosition& position) : impl_(new Impl(path)) {
+LogWriter::LogWriter(const std::string& path, const LogPosition& position) : impl_(new Impl(path, std::nullopt)) {
   impl_->takeLock(path);
   impl_->next_number = impl_->committed_number = position.next_number;
   if (!impl_->file.resume(path, position.size)) impl_->fail("cannot be written", impl_->file.error());

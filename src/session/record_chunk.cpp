@@ -11,11 +11,12 @@
 
 #include "raven2_trainer/core/bytes.h"
 #include "record_columns.h"
+#include "tick_formulas.h"
 
 namespace raven2_trainer::session {
 namespace {
 
-constexpr int kLevel = 1;  // of zstd: 3 is 2.7 % smaller, but costs a tick in lockstep 4 % (measured)
+constexpr int kLevel = 1;  // of zstd: 3 is 3.6 % smaller, for 0.8 us a tick (measured)
 constexpr std::array<std::uint8_t, 5> kForms{0x88, 8, 4, 2, 1};
 
 template <typename T>
@@ -41,8 +42,9 @@ std::vector<Place> placesOf(const std::vector<std::uint8_t>& forms,
     for (std::size_t c = 0; c < forms.size(); ++c) {
       if (forms[c] == form) columns.push_back(c);
     }
-    std::stable_sort(columns.begin(), columns.end(),
-                     [&](std::size_t a, std::size_t b) { return orders[a] > orders[b]; });
+    std::stable_sort(columns.begin(), columns.end(), [&](std::size_t a, std::size_t b) {
+      return ColumnCoding(orders[a]).order() > ColumnCoding(orders[b]).order();
+    });
     for (std::size_t k = 0; k < columns.size(); ++k)
       places[columns[k]] = {begin + k * rows, columns.size() * rows};
     begin += columns.size() * ColumnForm(form).width() * rows;
@@ -53,6 +55,24 @@ std::vector<Place> placesOf(const std::vector<std::uint8_t>& forms,
 /** Every kind of record but these says first in which physics tick it belongs. */
 bool beginsWithTick(const FrameHeader& header) noexcept {
   return header.length >= sizeof(Tick) && header.type != RecordType::kCounts && header.type != RecordType::kRecovery;
+}
+
+std::vector<std::size_t> offsetsOf(const std::vector<std::uint8_t>& forms) {
+  std::vector<std::size_t> offsets{0};
+  for (const std::uint8_t form : forms)
+    offsets.push_back(offsets.back() + ColumnForm(form).width());
+  return offsets;
+}
+
+/** Calls `use` with each column that the formula gives, and its place among these. */
+template <typename Use>
+void forResults(const Formula& formula, const Use& use) {
+  std::size_t place = 0;
+  const auto& blocks = traitsOf(formula.kind)->blocks;
+  for (std::size_t b = 0; b < formula.columns.size(); ++b) {
+    for (std::size_t i = 0; blocks[b].is_result && i < blocks[b].width; ++i)
+      use(formula.columns[b] + i, place++);
+  }
 }
 
 struct ZstdDelete {
@@ -135,19 +155,42 @@ struct ChunkPacker::Impl {
       writeGroup(*group);
   }
 
+  /** Makes the group's formulas. @return for each column their results, or null. */
+  std::vector<const double*> predict(const Group& group, const std::vector<std::size_t>& offsets) {
+    std::vector<const double*> predicted(group.forms.size());
+    used_formulas.clear();
+    const bool is_other_version = group.forms.size() == group.like.length;  // its numbers are single bytes
+    if (!formulas || group.like.type != RecordType::kTick || is_other_version || group.count > kMostFormulaRows) {
+      return predicted;
+    }
+    const RecordView records{group.rows.data(), group.like.length, group.count, offsets.data()};
+    used_formulas = formulas->of(records);
+    results.resize(used_formulas.size());
+    for (std::size_t f = 0; f < used_formulas.size(); ++f) {
+      evaluate(used_formulas[f], records, &results[f]);
+      forResults(used_formulas[f], [&](std::size_t column, std::size_t place) {
+        if (predicted[column] == nullptr) predicted[column] = &results[f][place * group.count];
+      });
+    }
+    return predicted;
+  }
+
   void writeGroup(const Group& group) {
     const std::size_t rows = group.count;
+    const std::vector<std::size_t> offsets = offsetsOf(group.forms);
+    const std::vector<const double*> predicted = predict(group, offsets);
     std::vector<std::uint8_t>& planes = coded;  // column by column
     if (planes.size() < group.rows.size()) planes.resize(group.rows.size());
     orders.clear();
-    std::size_t offset = 0;
-    for (const std::uint8_t form : group.forms) {
-      orders.push_back(coder.encode(ColumnForm(form), group.rows.data() + offset, group.like.length, rows,
-                                    planes.data() + offset * rows, rows));
-      offset += ColumnForm(form).width();
+    for (std::size_t c = 0; c < group.forms.size(); ++c) {
+      orders.push_back(coder.encode(ColumnForm(group.forms[c]), group.rows.data() + offsets[c], group.like.length, rows,
+                                    predicted[c], planes.data() + offsets[c] * rows, rows));
     }
     contents.insert(contents.end(), group.forms.begin(), group.forms.end());
     contents.insert(contents.end(), orders.begin(), orders.end());
+    contents.push_back(static_cast<std::uint8_t>(used_formulas.size()));
+    for (const Formula& formula : used_formulas)
+      formula.append(&contents);
     const std::size_t data = contents.size();
     contents.resize(data + group.rows.size());
     const std::vector<Place> places = placesOf(group.forms, orders, rows);
@@ -191,15 +234,19 @@ struct ChunkPacker::Impl {
   std::unique_ptr<ZSTD_CCtx, ZstdDelete> zstd{ZSTD_createCCtx()};
   std::deque<Group> groups;  // does not move its elements
   std::vector<Group*> used;  // in this chunk
+  std::optional<TickFormulas> formulas;
+  std::vector<Formula> used_formulas;        // of the group that is written
+  std::vector<std::vector<double>> results;  // of each
   std::vector<std::uint8_t> order, contents, orders;
   std::vector<std::uint8_t> coded, chunk;  // only grow
-  std::uint64_t first{0};  // number of the first record
+  std::uint64_t first{0};                  // number of the first record
   Tick first_tick{0}, last_tick{0};
   ColumnCoder coder;
 };
 
-ChunkPacker::ChunkPacker() : impl_(std::make_unique<Impl>()) {
+ChunkPacker::ChunkPacker(const std::optional<TickConstants>& constants) : impl_(std::make_unique<Impl>()) {
   if (!impl_->zstd) throw std::bad_alloc();
+  if (constants) impl_->formulas.emplace(*constants);
 }
 
 ChunkPacker::~ChunkPacker() = default;
@@ -220,6 +267,9 @@ struct ChunkReader::Group {
   std::uint32_t columns{};  ///< numbers in a record
   std::size_t taken{0};
   std::vector<std::uint8_t> rows;  ///< payloads, one after the other
+  std::vector<std::uint8_t> forms, orders;
+  std::vector<std::size_t> offsets;
+  std::vector<Formula> formulas;
 
   /** @return false for what no writer makes. */
   bool readHeader(ByteReader* in) {
@@ -231,29 +281,83 @@ struct ChunkReader::Group {
            like.type != RecordType::kChunk;
   }
 
-  bool readRows(ByteReader* in, ColumnCoder* coder) {
+  bool readCodings(ByteReader* in) {
     if (columns > in->left() / 2) return false;
-    std::vector<std::uint8_t> forms(columns), orders(columns);
+    forms.resize(columns);
+    orders.resize(columns);
     in->getBytes(forms.data(), columns);
     in->getBytes(orders.data(), columns);
-    std::size_t length = 0;
     for (std::size_t c = 0; c < columns; ++c) {
-      if (!ColumnForm(forms[c]).isValid() || orders[c] > kMostDifferences) return false;
-      length += ColumnForm(forms[c]).width();
+      const ColumnForm form(forms[c]);
+      const ColumnCoding coding(orders[c]);
+      if (!form.isValid() || coding.order() > kMostDifferences) return false;
+      if (coding.hasFormula() && !form.isFloat()) return false;
     }
-    if (length > kMaxPayload || count > in->left() / length) return false;
+    offsets = offsetsOf(forms);
+    return offsets.back() <= kMaxPayload;
+  }
+
+  bool readFormulas(ByteReader* in) {
+    formulas.resize(in->get<std::uint8_t>());
+    if (in->underflow() || formulas.size() > kMostFormulas || (!formulas.empty() && count > kMostFormulaRows)) {
+      return false;
+    }
+    for (Formula& formula : formulas) {
+      if (!formula.read(in) || !fits(formula)) return false;
+    }
+    const auto is_robot = [](const Formula& formula) { return formula.kind == FormulaKind::kRobot; };
+    return std::count_if(formulas.begin(), formulas.end(), is_robot) <= 1;
+  }
+
+  /** Whether its columns are numbers of the record: doubles, but for the robot's cycle. */
+  bool fits(const Formula& formula) const {
+    const auto& blocks = traitsOf(formula.kind)->blocks;
+    for (std::size_t b = 0; b < formula.columns.size(); ++b) {
+      const std::uint8_t wanted = blocks[b].width == 1 ? 8 : 8 | ColumnForm::kFloatBit;
+      for (std::size_t c = formula.columns[b]; c < formula.columns[b] + std::size_t{blocks[b].width}; ++c) {
+        if (c >= columns || forms[c] != wanted) return false;
+      }
+    }
+    return true;
+  }
+
+  /** Adds the formulas' results. @return false if one of their inputs is still missing, or a column has no formula. */
+  bool addFormulas() {
+    std::vector<bool> is_known(columns);
+    for (std::size_t c = 0; c < columns; ++c)
+      is_known[c] = !ColumnCoding(orders[c]).hasFormula();
+    const RecordView records{rows.data(), like.length, count, offsets.data()};
+    std::vector<double> results;
+    for (const Formula& formula : formulas) {
+      const auto& blocks = traitsOf(formula.kind)->blocks;
+      for (std::size_t b = 0; b < formula.columns.size(); ++b) {
+        for (std::size_t i = 0; !blocks[b].is_result && i < blocks[b].width; ++i) {
+          if (!is_known[formula.columns[b] + i]) return false;
+        }
+      }
+      evaluate(formula, records, &results);
+      forResults(formula, [&](std::size_t c, std::size_t place) {
+        if (!is_known[c]) addFormula(&results[place * count], count, rows.data() + offsets[c], like.length);
+        is_known[c] = true;
+      });
+    }
+    return std::find(is_known.begin(), is_known.end(), false) == is_known.end();
+  }
+
+  bool readRows(ByteReader* in, ColumnCoder* coder, bool has_formulas) {
+    if (!readCodings(in) || (has_formulas && !readFormulas(in))) return false;
+    const std::size_t length = offsets.back();
+    if (count > in->left() / length) return false;
     like.length = static_cast<std::uint32_t>(length);
     std::vector<std::uint8_t> planes(count * length);
     in->getBytes(planes.data(), planes.size());
     rows.resize(planes.size());
     const std::vector<Place> places = placesOf(forms, orders, count);
-    std::size_t offset = 0;
     for (std::size_t c = 0; c < places.size(); ++c) {
       coder->decode(ColumnForm(forms[c]), orders[c], planes.data() + places[c].plane, places[c].stride, count,
-                    rows.data() + offset, length);
-      offset += ColumnForm(forms[c]).width();
+                    rows.data() + offsets[c], length);
     }
-    return true;
+    return addFormulas();
   }
 };
 
@@ -279,7 +383,7 @@ bool ChunkReader::open(const FrameHeader& header, const std::uint8_t* payload) {
   if (size == ZSTD_CONTENTSIZE_UNKNOWN || size == ZSTD_CONTENTSIZE_ERROR || size > kMaxChunkContents) return false;
   contents_.resize(size);
   const std::size_t got = ZSTD_decompress(contents_.data(), contents_.size(), compressed, compressed_size);
-  if (got == contents_.size() && readContents()) return true;
+  if (got == contents_.size() && readContents(header.version > 1)) return true;
   groups_.clear();
   order_.clear();
   return false;
@@ -298,7 +402,7 @@ bool ChunkReader::isComplete() const {
   return true;
 }
 
-bool ChunkReader::readContents() {
+bool ChunkReader::readContents(bool has_formulas) {
   ByteReader in(contents_.data(), contents_.size());
   const auto records = in.get<std::uint32_t>();
   const auto groups = in.get<std::uint32_t>();
@@ -312,7 +416,7 @@ bool ChunkReader::readContents() {
   in.getBytes(order_.data(), records);
   if (!isComplete()) return false;
   for (Group& group : groups_) {
-    if (!group.readRows(&in, &coder_)) return false;
+    if (!group.readRows(&in, &coder_, has_formulas)) return false;
   }
   return in.left() == 0;
 }

@@ -3,9 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "column_code.h"
+#include "raven2_trainer/session/session_log.h"
 #include "record_frame.h"
 
 // A chunk is a record of the log that holds other records, compressed, a second of them at most. It can be read without
@@ -14,7 +16,7 @@
 
 namespace raven2_trainer::session {
 
-constexpr std::uint16_t kChunkVersion = 1;
+constexpr std::uint16_t kChunkVersion = 2;            ///< 1 has no formulas
 constexpr std::size_t kChunkSpanSize = 16;            ///< [bytes] first and last tick, before what is compressed
 constexpr std::size_t kMaxChunkRecords = 2U << 20U;   ///< [bytes] of the frames in one chunk; 0.6 s of ticks
 constexpr std::size_t kMaxChunkContents = 8U << 20U;  ///< [bytes] that a reader takes memory for
@@ -24,7 +26,8 @@ constexpr Tick kMaxChunkTicks = 1000;                                       ///<
 /** Makes chunks. */
 class ChunkPacker {
  public:
-  ChunkPacker();
+  /** @param[in] constants for formulas (formula.h); empty: without. */
+  explicit ChunkPacker(const std::optional<TickConstants>& constants);
   ~ChunkPacker();
   ChunkPacker(const ChunkPacker&) = delete;
   ChunkPacker& operator=(const ChunkPacker&) = delete;
@@ -59,7 +62,7 @@ class ChunkReader {
 
  private:
   struct Group;
-  bool readContents();
+  bool readContents(bool has_formulas);
   bool isComplete() const;
 
   std::vector<std::uint8_t> contents_;

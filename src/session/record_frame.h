@@ -13,7 +13,7 @@ namespace raven2_trainer::session {
 
 constexpr std::uint32_t kMagic = 0x4C325652;    ///< the bytes "RV2L"
 constexpr std::uint16_t kRecordVersion = 10;    ///< of every record; raised when a layout changes
-constexpr int kFormatVersion = 2;               ///< of the log: 1 has no chunks
+constexpr int kFormatVersion = 3;               ///< of the log: 1 has no chunks, 2 no formulas
 constexpr std::size_t kFrameHeaderSize = 20;    ///< [bytes]
 constexpr std::size_t kCrcSize = 4;             ///< [bytes]
 constexpr std::size_t kMaxPayload = 16 * 1024;  ///< [bytes] of a record; the largest today, a plan, takes 4.1 KiB

@@ -60,7 +60,8 @@ def test_an_installed_one_finds_programs_and_exercises_where_they_are_installed(
     programs.mkdir(parents=True)
     (share / "config/exercises").mkdir(parents=True)
     (share / "config/exercises/only_one.yaml").write_text("number: 1\n")
-    for name in ("make_bands", "make_expert_band", "raven2_progress.py", "raven2_lockstep.py", "raven2_session.py"):
+    for name in ("make_bands", "make_expert_band", "raven2_progress.py", "raven2_lockstep.py", "raven2_session.py",
+                 "raven2_formulas.py"):
         shutil.copy(SCRIPT.parent / name, programs)
     (programs / "simulate").write_text(STUB)
     (programs / "simulate").chmod(0o755)

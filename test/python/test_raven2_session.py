@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 import zlib
 
 SCRIPTS = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "scripts")
@@ -308,9 +309,42 @@ class ReaderTest(LogCase):
                 log = self.read(header_record() + framed + request(7))
                 self.assertEqual(log.requests["tick"].tolist(), [7])
                 self.assertEqual(log.bad_bytes, len(framed))
-        log = self.read(header_record() + record(14, b"not compressed") + request(7) + record(14, b"later", version=2) + request(8))
+        log = self.read(header_record() + record(14, b"not compressed") + request(7) + record(14, b"later", version=3) + request(8))
         self.assertEqual(log.requests["tick"].tolist(), [7, 8])
         self.assertEqual(log.bad_bytes, len(record(14, b"not compressed")))
+
+    def test_a_chunk_whose_formulas_do_not_fit_is_refused_as_a_whole(self):
+        def chunk_of(formulas, orders=(0, 0)):
+            groups = struct.pack("<IIHHII", 2, 1, 4, 1, 2, 2) + bytes([0, 0, 8, 1, *orders]) + formulas + bytes(18)
+            return record(14, span(0, 1) + compressed(groups), version=2)
+
+        positions = struct.pack("<B2H14d", 2, 0, 1, *[0.0] * 14)
+        self.assertEqual(len(self.read(header_record() + chunk_of(b"\0")).requests), 2)
+        for what, framed in {"columns that are no doubles": chunk_of(b"\1" + positions), "cut": chunk_of(b"\2" + positions),
+                             "kind 0": chunk_of(b"\1\0"), "kind 6": chunk_of(b"\1\6"), "17": chunk_of(b"\x11" + 17 * positions),
+                             "without its formula": chunk_of(b"\0", (0x80, 0)), "no number of formulas": chunk_of(b"")}.items():
+            with self.subTest(what):
+                log = self.read(header_record() + framed + request(7))
+                self.assertEqual(log.requests["tick"].tolist(), [7])
+                self.assertEqual(log.bad_bytes, len(framed))
+
+    def test_no_more_than_a_second_of_records_has_formulas(self):
+        for rows, count in ((1000, 1), (1001, 1), (3, 2)):
+            forms, orders = [8] + 21 * [0x88], 15 * [0] + 7 * [0x80]
+            robot = struct.pack("<B7H182d", 1, 0, 1, 8, 15, 15, 15, 15, *[0.0] * 182)
+            groups = struct.pack("<IIHHII", rows, 1, 9, 1, rows, 22) + bytes(rows) + bytes(forms) + bytes(orders)
+            contents = groups + bytes([count]) + count * robot + bytes(rows * 176)
+            if (rows, count) == (1000, 1):
+                self.assertEqual(len(raven2_session._Chunk(span(0, 1) + compressed(contents), 2).groups[0].formulas), 1)
+                continue
+            with self.assertRaises(ValueError):
+                raven2_session._Chunk(span(0, 1) + compressed(contents), 2)
+
+    def test_what_looks_like_the_head_of_a_chunk_costs_no_checksum(self):
+        fake = raven2_session.FRAME.pack(raven2_session.MAGIC, 14, 2, 2**20, 7) + bytes(2**20 + 4)
+        with unittest.mock.patch.object(raven2_session.zlib, "crc32") as crc32:
+            self.assertEqual(raven2_session._look(fake, 0, len(fake))[0], "bad")
+        crc32.assert_not_called()
 
     def test_two_groups_of_one_kind_are_both_read(self):
         heads = struct.pack("<II", 2, 2) + 2 * struct.pack("<HHII", 4, 1, 1, 2) + bytes([0, 1])
@@ -327,7 +361,7 @@ class ReaderTest(LogCase):
     def test_refuses_what_is_no_log(self):
         damaged = bytearray(header_record())
         damaged[100] ^= 1
-        for data in (b"", b"RV2L", b"x" * 1000, bytes(damaged), header_record(format_version=3), record(0, b"no JSON")):
+        for data in (b"", b"RV2L", b"x" * 1000, bytes(damaged), header_record(format_version=4), record(0, b"no JSON")):
             with self.assertRaises(raven2_session.SessionError):
                 self.read(data)
         with self.assertRaises(raven2_session.SessionError):

@@ -11,6 +11,7 @@ import subprocess
 import sys
 import tempfile
 import time
+import unittest.mock
 
 import numpy as np
 import pytest
@@ -350,6 +351,20 @@ def test_damaged_logs_are_read_alike_in_both_languages_and_lose_only_what_was_hi
         report("record_damage", {"flips": len(paths) // 2, "cuts": len(paths) // 2})
     finally:
         shutil.rmtree(folder)
+
+
+def test_formulas_give_the_same_bits_in_both_languages():
+    tool = os.path.join(BUILD, "test_bin", "log_summary")
+    if not os.path.exists(tool):
+        pytest.skip("the tests are not built")
+    with tempfile.TemporaryDirectory(prefix="raven2_formulas_") as folder:
+        path = os.path.join(folder, "moves.rlog")
+        subprocess.run([tool, "--move", path], check=True)
+        with unittest.mock.patch.object(raven2_session, "_add_formulas", wraps=raven2_session._add_formulas) as add:
+            ticks = raven2_session.SessionLog(path).ticks
+            used = [np.count_nonzero(call.args[0].orders & raven2_session.FORMULA_BIT) for call in add.call_args_list]
+        assert len(ticks) == 1500 and len(used) == 5 and min(used) > 40, used
+        assert subprocess.run([tool, "--ticks", path], check=True, capture_output=True).stdout == ticks.tobytes()
 
 
 def record_ends(data):

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -57,6 +58,22 @@ struct LogHeader {
   std::vector<ConfigurationFile> configuration;      ///< copied files, root file first; empty: no copies
 };
 
+/** Gains of a control law. Each: [Nm, N] for rad and m, their rates, their integrals over time. */
+struct ControlGains {
+  JointArray kp{}, kd{}, ki{};
+};
+
+/**
+ * Constants of the log's formulas (doc/session.md, Formulas), which make a session of moving arms two fifths smaller.
+ * They change only the size: with any other constants, the same records are read.
+ */
+struct TickConstants {
+  double d4{}, lw{};  ///< [m] ArmGeometry
+  PerArm<std::array<JointArray, kJointCount>>
+      joint_of_motor{};          ///< rows of the matrix from the robot's motors to its joints
+  PerArm<ControlGains> gains{};  ///< of the model's joints
+};
+
 /** Position after the last complete record of a log. */
 struct LogPosition {
   std::uint64_t size{};         ///< [bytes]
@@ -72,7 +89,9 @@ struct LogPosition {
 class LogWriter {
  public:
   /** Creates a log and writes its header. */
-  LogWriter(const std::string& path, const LogHeader& header);
+  LogWriter(const std::string& path,
+            const LogHeader& header,
+            const std::optional<TickConstants>& constants = std::nullopt);
   /** Truncates an existing log at `position` and continues it. */
   LogWriter(const std::string& path, const LogPosition& position);
   /** Commits the batch. */

@@ -237,7 +237,7 @@ TEST(DamagedLog, IsNoLogIfMissingOrAFolder) {
 }
 
 TEST(DamagedLog, IsRefusedWithAnotherFormatVersion) {
-  const std::string json = R"({"format": "raven2_trainer session log", "format_version": 3})";
+  const std::string json = R"({"format": "raven2_trainer session log", "format_version": 4})";
   const std::string path = scratchPath("newer.rlog");
   Bytes bytes = sealed(0, kRecordVersion, Bytes(json.begin(), json.end()));
   writeBytes(path, bytes);
@@ -245,7 +245,7 @@ TEST(DamagedLog, IsRefusedWithAnotherFormatVersion) {
     readLog(path, {});
     FAIL() << "was read";
   } catch (const SessionException& error) {
-    EXPECT_NE(std::string(error.what()).find("format version 3"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("format version 4"), std::string::npos) << error.what();
   }
 }
 

@@ -35,7 +35,7 @@ template <typename T>
 Coded encode(ColumnForm form, const std::vector<T>& values) {
   Coded coded{0, Bytes(values.size() * sizeof(T))};
   coded.order =
-      ColumnCoder().encode(form, bytesOf(values).data(), sizeof(T), values.size(), coded.planes.data(), values.size());
+      ColumnCoder().encode(form, bytesOf(values).data(), sizeof(T), values.size(), nullptr, coded.planes.data(), values.size());
   return coded;
 }
 
@@ -221,7 +221,8 @@ TEST(Chunks, HaveTheContentsThatTheirPageStates) {
   EXPECT_EQ(number(10, 2), 10U);       // version
   EXPECT_EQ(number(12, 4), kPerChunk);
   EXPECT_EQ(number(16, 4), 19U);  // numbers in a record
-  const std::size_t forms = 20 + kPerChunk, orders = forms + 19, data = orders + 19;
+  const std::size_t forms = 20 + kPerChunk, orders = forms + 19, data = orders + 19 + 1;
+  EXPECT_EQ(number(data - 1, 1), 0U);      // formulas
   EXPECT_EQ(number(forms, 1), 8U);         // tick
   EXPECT_EQ(number(forms + 7, 1), 0x88U);  // goal, a double
   EXPECT_EQ(contents.size(), data + kPerChunk * 102);
@@ -349,7 +350,7 @@ TEST(Chunks, ContentsThatNoWriterMakesAreRefusedAsAWhole) {
 TEST(Chunks, AnUnusableRecordInOneLeavesTheOthers) {
   const ChunkedLog log = makeChunkedLog();
   Bytes contents = contentsOf(log);
-  const std::size_t data = 20 + kPerChunk + 38;
+  const std::size_t data = 20 + kPerChunk + 39;
   // The kind of the third request, a column of one byte: differences of order 0.
   const std::size_t kinds = data + kPerChunk * (8 * 11 + 4 * 2);
   ASSERT_EQ(contents[20 + kPerChunk + 19 + 1], 0) << "order of the kinds' differences";
