@@ -9,6 +9,7 @@
 #include "raven2_trainer/wire/pedals.h"
 #include "raven2_trainer/wire/robot_frame.h"
 #include "raven2_trainer/wire/sight.h"
+#include "session/formula.h"
 #include "session/record_chunk.h"
 #include "session/record_codec.h"
 #include "session/record_frame.h"
@@ -200,11 +201,39 @@ Bytes chunkSeed() {
     frame.resize(frame.size() + session::kCrcSize);
     append(frame, &frames);
   }
-  session::ChunkPacker().pack(frames.data(), frames.size(), &chunk);
+  session::ChunkPacker(std::nullopt).pack(frames.data(), frames.size(), &chunk);
   const std::uint8_t* payload = chunk.data() + session::kFrameHeaderSize + session::kChunkSpanSize;
   const std::size_t length = session::decodeFrameHeader(chunk.data()).length - session::kChunkSpanSize;
   Bytes contents(ZSTD_getFrameContentSize(payload, length));
   ZSTD_decompress(contents.data(), contents.size(), payload, length);
+  Bytes seed{1, 0, 4, static_cast<std::uint8_t>(contents.size()), static_cast<std::uint8_t>(contents.size() >> 8U)};
+  append(contents, &seed);
+  return seed;
+}
+
+/** Three records of a robot's cycle and six blocks of joints, with a formula of each kind. */
+Bytes formulaSeed() {
+  constexpr std::uint32_t kRows = 3, kColumns = 43;
+  const std::array<std::uint32_t, 5> head{kRows, 1, 1U | session::kRecordVersion << 16U, kRows, kColumns};
+  const auto* begin = reinterpret_cast<const std::uint8_t*>(head.data());
+  Bytes contents(begin, begin + sizeof(head));
+  contents.insert(contents.end(), kRows, 0);  // all of group 0
+  contents.push_back(8);                      // forms
+  contents.insert(contents.end(), kColumns - 1, 0x88);
+  contents.insert(contents.end(), 15, 0);  // orders: cycle, motors of gold and green
+  contents.insert(contents.end(), kColumns - 15, 0x80);
+  using session::FormulaKind;
+  const std::vector<session::Formula> formulas{
+      {FormulaKind::kRobot, {0, 1, 8, 15, 22, 15, 22}, std::vector<double>(182, 0.1)},
+      {FormulaKind::kTip, {15, 1, 29, 32}, {0.0, -0.47, 0.013}},
+      {FormulaKind::kOrientation, {22, 35}, {1.0, -0.47, 0.013}},
+      {FormulaKind::kPositions, {15, 36}, std::vector<double>(14, 0.2)},
+      {FormulaKind::kControl, {1, 8, 36, 36}, std::vector<double>(28, 3.0)}};
+  contents.push_back(static_cast<std::uint8_t>(formulas.size()));
+  for (const session::Formula& formula : formulas)
+    formula.append(&contents);
+  for (std::uint32_t i = 0; i < 8 * kRows * kColumns; ++i)
+    contents.push_back(static_cast<std::uint8_t>(i % 7));
   Bytes seed{1, 0, 4, static_cast<std::uint8_t>(contents.size()), static_cast<std::uint8_t>(contents.size() >> 8U)};
   append(contents, &seed);
   return seed;
@@ -224,6 +253,7 @@ void logSeeds() {
   appendRecord(PlanRecord{}, &plan);
   save("session_log", "plan", plan);
   save("session_log", "chunk", chunkSeed());
+  save("session_log", "formulas", formulaSeed());
   save("session_log", "no_log", Bytes{0, 'R', 'V', '2', 'L', 0, 0, 5, 0, 0xFF, 0xFF, 0xFF, 0xFF});
 }
 

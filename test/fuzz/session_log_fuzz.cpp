@@ -9,7 +9,7 @@
 // The reader of session logs. Input: a byte, then the file. If bit 0 of the byte is set, the file begins with a good
 // first record, and the rest of the input is records (type, flags, length as 16 bits, payload). They get a correct CRC,
 // so that their values pass it, unless flag bit 0 is set. With flag bit 2 the payload is the contents of a chunk, which
-// are compressed here.
+// are compressed here; with bit 3, too, of a chunk of version 1, without formulas.
 
 namespace raven2_trainer::fuzz {
 namespace {
@@ -49,7 +49,7 @@ std::string framed(Input* input, std::uint64_t number) {
   Bytes payload = input->take(input->word());
   if ((flags & 4U) != 0) {
     header.type = session::RecordType::kChunk;
-    header.version = session::kChunkVersion;
+    header.version = (flags & 8U) != 0 ? 1 : session::kChunkVersion;
     payload = compressed(payload);
   }
   header.length = static_cast<std::uint32_t>(payload.size());
