@@ -151,15 +151,15 @@ ChunkedLog makeChunkedLog() {
   return made;
 }
 
-struct Found {
+struct ReadBack {
   LogSummary summary;
   std::vector<std::uint32_t> ids;
 };
 
-Found readAll(const Bytes& bytes) {
+ReadBack readBack(const Bytes& bytes) {
   const std::string path = scratchPath("chunks_damaged.rlog");
   writeBytes(path, bytes);
-  Found found;
+  ReadBack found;
   LogVisitor visitor;
   visitor.request = [&found](const RequestRecord& record) { found.ids.push_back(record.request.id); };
   found.summary = readLog(path, visitor);
@@ -188,7 +188,7 @@ TEST(Chunks, HoldLargeBatchesAndLeaveTheLastRecordAsItIs) {
   EXPECT_EQ(headerAt(log, 3).type, RecordType::kCounts);
   EXPECT_EQ(headerAt(log, 3).number, 1U + 2 * kPerChunk);
   EXPECT_LT(log.ends[1] - log.ends[0], kPerChunk * 126 / 5) << "a fifth of the records alone";
-  const Found found = readAll(log.bytes);
+  const ReadBack found = readBack(log.bytes);
   EXPECT_EQ(found.ids, idsOf(true, true));
   EXPECT_EQ(found.summary.records, 2 * kPerChunk + 1);
   EXPECT_TRUE(found.summary.clean);
@@ -274,7 +274,7 @@ Bytes inTheFirstFormat(const ChunkedLog& log) {
 TEST(Chunks, ALogOfTheFirstFormatHasTheSameRecordsWithoutThem) {
   const Bytes bytes = inTheFirstFormat(makeChunkedLog());
   EXPECT_GT(bytes.size(), 2 * kPerChunk * 126);
-  Found found = readAll(bytes);
+  ReadBack found = readBack(bytes);
   EXPECT_EQ(found.ids, idsOf(true, true));
   EXPECT_EQ(found.summary.records, 2 * kPerChunk + 1);
   EXPECT_TRUE(found.summary.clean);
@@ -284,7 +284,7 @@ TEST(Chunks, ALogOfTheFirstFormatHasTheSameRecordsWithoutThem) {
 TEST(Chunks, ALogThatIsCutEndsWithTheLastWholeOne) {
   const ChunkedLog log = makeChunkedLog();
   for (std::size_t cut = log.ends[0]; cut < log.bytes.size(); cut += 1 + cut % 5) {
-    const Found found = readAll(Bytes(log.bytes.begin(), log.bytes.begin() + static_cast<std::ptrdiff_t>(cut)));
+    const ReadBack found = readBack(Bytes(log.bytes.begin(), log.bytes.begin() + static_cast<std::ptrdiff_t>(cut)));
     ASSERT_EQ(found.ids, idsOf(cut >= log.ends[1], cut >= log.ends[2])) << cut;
     ASSERT_EQ(found.summary.bad_bytes, 0U) << "a cut is no damage";
   }
@@ -299,7 +299,7 @@ TEST(Chunks, AFlippedBitCostsOneChunk) {
     Bytes bytes = log.bytes;
     bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1U << (random.next() % 8)));
     const bool is_first = at < log.ends[1];
-    const Found found = readAll(bytes);
+    const ReadBack found = readBack(bytes);
     ASSERT_EQ(found.ids, idsOf(!is_first, is_first)) << at;
     ASSERT_EQ(found.summary.bad_bytes, is_first ? log.ends[1] - log.ends[0] : log.ends[2] - log.ends[1]);
     ASSERT_TRUE(found.summary.clean);
@@ -320,7 +320,7 @@ Bytes logWith(const ChunkedLog& log, const Bytes& contents) {
 TEST(Chunks, ContentsThatNoWriterMakesAreRefusedAsAWhole) {
   const ChunkedLog log = makeChunkedLog();
   const Bytes good = contentsOf(log);
-  ASSERT_EQ(readAll(logWith(log, good)).ids, idsOf(true, false));
+  ASSERT_EQ(readBack(logWith(log, good)).ids, idsOf(true, false));
   const std::size_t forms = 20 + kPerChunk, orders = forms + 19;
   struct Wrong {
     const char* what;
@@ -335,16 +335,16 @@ TEST(Chunks, ContentsThatNoWriterMakesAreRefusedAsAWhole) {
     Bytes bad = good;
     bad[wrong.at] = wrong.value;
     const Bytes bytes = logWith(log, bad);
-    const Found found = readAll(bytes);
+    const ReadBack found = readBack(bytes);
     EXPECT_TRUE(found.ids.empty()) << wrong.what;
     EXPECT_EQ(found.summary.bad_bytes, bytes.size() - log.ends[0]) << wrong.what;
   }
   for (const std::ptrdiff_t less : {1, 1000}) {
-    EXPECT_TRUE(readAll(logWith(log, Bytes(good.begin(), good.end() - less))).ids.empty());
+    EXPECT_TRUE(readBack(logWith(log, Bytes(good.begin(), good.end() - less))).ids.empty());
   }
   Bytes longer = good;
   longer.push_back(0);
-  EXPECT_TRUE(readAll(logWith(log, longer)).ids.empty());
+  EXPECT_TRUE(readBack(logWith(log, longer)).ids.empty());
 }
 
 TEST(Chunks, AnUnusableRecordInOneLeavesTheOthers) {
@@ -356,7 +356,7 @@ TEST(Chunks, AnUnusableRecordInOneLeavesTheOthers) {
   ASSERT_EQ(contents[20 + kPerChunk + 19 + 1], 0) << "order of the kinds' differences";
   contents[kinds + 2] = 200;
   const Bytes bytes = logWith(log, contents);
-  const Found found = readAll(bytes);
+  const ReadBack found = readBack(bytes);
   std::vector<std::uint32_t> expected = idsOf(true, false);
   expected.erase(expected.begin() + 2);
   EXPECT_EQ(found.ids, expected);
@@ -371,7 +371,7 @@ TEST(Chunks, ARecoveryGoesOnBehindThem) {
   record.request.id = 1234;
   again.write(record);
   again.finishRecovery({});
-  const Found found = readAll(readBytes(log.path));
+  const ReadBack found = readBack(readBytes(log.path));
   EXPECT_EQ(found.ids.size(), kPerChunk + 1U);
   EXPECT_EQ(found.ids.back(), 1234U);
   EXPECT_TRUE(found.summary.recovered);
