@@ -36,11 +36,10 @@ def _cos_sin(radians):
         cosine = cosine * z + COSINE[i]
     s = r + (z * r) * sine
     c = 1.0 - (0.5 * z - (z * z) * cosine)
-    quarter = k - 4.0 * np.floor(k / 4.0)
-    is_odd = (quarter == 1.0) | (quarter == 3.0)
+    quarter = k.astype(np.int64) & 3
+    is_odd = (quarter & 1) == 1
     first, second = np.where(is_odd, s, c), np.where(is_odd, c, s)
-    return (np.where((quarter == 1.0) | (quarter == 2.0), -first, first),
-            np.where((quarter == 2.0) | (quarter == 3.0), -second, second))
+    return (np.where((quarter == 1) | (quarter == 2), -first, first), np.where(quarter >= 2, -second, second))
 
 
 def _cross(a, b):

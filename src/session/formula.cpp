@@ -26,8 +26,10 @@ CosSin cosSin(double radians) noexcept {
   constexpr std::array<double, 6> kCosine{4.16666666666666019037e-02, -1.38888888888741095749e-03,
                                           2.48015872894767294178e-05, -2.75573143513906633035e-07,
                                           2.08757232129817482790e-09, -1.13596475577881948265e-11};
+  // Rounds to a whole number, a half to the even one, as rint() does, which is a call.
+  constexpr double kRounding = 6755399441055744.0;  // 1.5 * 2^52
   const double angle = std::abs(radians) <= 1e5 ? radians : 0.0;
-  const double k = std::rint(angle * kQuartersPerRadian);
+  const double k = (angle * kQuartersPerRadian + kRounding) - kRounding;
   const double r = ((angle - k * kQuarter[0]) - k * kQuarter[1]) - k * kQuarter[2];
   const double z = r * r;
   double sine = kSine[5], cosine = kCosine[5];
@@ -37,11 +39,16 @@ CosSin cosSin(double radians) noexcept {
   }
   const double s = r + (z * r) * sine;
   const double c = 1.0 - (0.5 * z - (z * z) * cosine);
-  const double quarter = k - 4.0 * std::floor(k / 4.0);
-  if (quarter == 0.0) return {c, s};
-  if (quarter == 1.0) return {-s, c};
-  if (quarter == 2.0) return {-c, -s};
-  return {s, -c};
+  switch (static_cast<std::int64_t>(k) & 3) {
+    case 0:
+      return {c, s};
+    case 1:
+      return {-s, c};
+    case 2:
+      return {-c, -s};
+    default:
+      return {s, -c};
+  }
 }
 
 /** Constants of an arm's chain (doc/raven2.md 2). */
@@ -200,16 +207,19 @@ void positions(const Formula& f, const RecordView& records, Results out) noexcep
 }
 
 void control(const Formula& f, const RecordView& records, Results out) noexcept {
-  for (std::size_t j = 0; j < kJointCount; ++j) {
-    const double kp = f.numbers[j], kd = f.numbers[7 + j], ki = f.numbers[14 + j], base = f.numbers[21 + j];
-    double integral = 0.0;
-    for (std::size_t t = 0; t < records.count; ++t) {
-      const std::size_t before = t > 0 ? t - 1 : 0;
-      const double error = records.get<double>(f.columns[0] + j, t) - records.get<double>(f.columns[1] + j, before);
-      if (t > 0) integral += (ki * kPeriod) * error;
-      const double damping = kd * records.get<double>(f.columns[2] + j, before);
-      out.put(j, t, std::array<double, 1>{((kp * error - damping) + integral) + base});
+  const JointArray kp = joints(f.numbers, 0), kd = joints(f.numbers, 7), ki = joints(f.numbers, 14);
+  const JointArray base = joints(f.numbers, 21);
+  JointArray integral{}, tau;
+  for (std::size_t t = 0; t < records.count; ++t) {
+    const std::size_t before = t > 0 ? t - 1 : 0;
+    const JointArray q_d = records.joints(f.columns[0], t), q = records.joints(f.columns[1], before);
+    const JointArray dq = records.joints(f.columns[2], before);
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      const double error = q_d[j] - q[j];
+      if (t > 0) integral[j] += (ki[j] * kPeriod) * error;
+      tau[j] = ((kp[j] * error - kd[j] * dq[j]) + integral[j]) + base[j];
     }
+    out.put(0, t, tau);
   }
 }
 

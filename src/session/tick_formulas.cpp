@@ -97,17 +97,17 @@ Formula positions(const ModelColumns& c, const RecordView& ticks) {
   return course;
 }
 
-/** Gravity and friction, which the law lacks, change little in a chunk: they are those of its middle. */
+/** Gravity and friction, which the law lacks, change little in a chunk: they are those of its second tick. */
 Formula control(const ModelColumns& c, const ControlGains& gains, const RecordView& ticks) {
   Formula law{FormulaKind::kControl, {c.q_d, c.q, c.dq, c.tau}, {}};
   for (const JointArray& each : {gains.kp, gains.kd, gains.ki, JointArray{}})
     add(&law.numbers, each);
+  if (ticks.count < 2) return law;
   std::vector<double> without;
-  evaluate(law, ticks, &without);
-  const std::size_t middle = ticks.count / 2;
-  const JointArray tau = ticks.joints(c.tau, middle);
+  evaluate(law, {ticks.rows, ticks.stride, 2, ticks.offsets}, &without);
+  const JointArray tau = ticks.joints(c.tau, 1);
   for (std::size_t j = 0; j < kJointCount; ++j)
-    law.numbers[3 * kJointCount + j] = tau[j] - without[j * ticks.count + middle];
+    law.numbers[3 * kJointCount + j] = tau[j] - without[2 * j + 1];
   return law;
 }
 
