@@ -74,8 +74,11 @@ inline Span windowOf(const Attempt& attempt, const ScriptedStep& step) {
   const ExerciseStep& what = attempt.config().exercise.tracks[step.track].steps[step.step];
   const Span begin = spanOf(attempt, step.verb, "begin"), open = spanOf(attempt, step.verb, "open"),
              close = spanOf(attempt, step.verb - 1, "close"), end = spanOf(attempt, step.verb, "end");
+  // A verb that the end of the attempt cuts off has no end.
+  const bool is_cut_off = end.last < 0 && spanOf(attempt, step.verb + 1, "begin").first < 0;
+  const Tick over = is_cut_off ? attempt.model().tick : end.last;
   const Tick taken = close.last >= 0 ? close.last : begin.first;
-  return {open.first >= 0 ? open.first : taken, end.last + std::llround(what.dwell / kTickSeconds) + kOnTop};
+  return {open.first >= 0 ? open.first : taken, over + std::llround(what.dwell / kTickSeconds) + kOnTop};
 }
 
 /** Adds a failure for each step that the judge reported out of the script's order or outside of its window. After a

@@ -51,8 +51,9 @@ class StillTrial {
   const TrainerConfig config_{configuration()};
   const std::unique_ptr<SharedState> shared_{std::make_unique<SharedState>()};
   Answers answers_{shared_.get()};
-  TrialStore store_{config_, model::loadRavenModel(config_), model::loadSceneModel(config_), &answers_, shared_.get(),
-                    1.0};
+  const model::RavenModel raven_{model::loadRavenModel(config_)};  // outlives the store
+  const model::SceneModel scene_{model::loadSceneModel(config_)};
+  TrialStore store_{config_, raven_, scene_, &answers_, shared_.get(), 1.0};
 };
 
 TEST(TrialStore, ContactsOfEitherArmCountWhicheverIsFartherOff) {
