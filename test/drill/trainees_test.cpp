@@ -19,8 +19,8 @@
 #include "raven2_trainer/training/session_score.h"
 #include "support/effort.h"
 
-// Two simulated trainees meet the same drill. One releases the pedal 400 ms after the force or the ghost, the other goes on.
-// The score is compared with the first trainee's own record.
+// Two simulated trainees meet the same drill. One releases the pedal 400 ms after the force or the ghost, the other
+// does not. The score is compared with the first trainee's own record.
 
 namespace raven2_trainer::testing {
 namespace {
