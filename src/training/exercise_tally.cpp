@@ -1,5 +1,7 @@
 #include "raven2_trainer/training/exercise_tally.h"
 
+#include <algorithm>
+
 namespace raven2_trainer::training {
 
 namespace {
@@ -7,8 +9,9 @@ namespace {
 /** Session tick of a model tick, as seen from a later one. There must be no pause between them. */
 Tick sessionTick(const ModelState& now, Tick tick) {
   if (tick < 0 || now.session_tick < 0) return -1;
-  const Tick session = tick - (now.tick - now.session_tick);
-  return session < 0 ? -1 : session;
+  // Unsigned, because a log's numbers may be any.
+  const auto begin = static_cast<std::uint64_t>(now.tick) - static_cast<std::uint64_t>(now.session_tick);
+  return std::max<Tick>(-1, static_cast<Tick>(static_cast<std::uint64_t>(tick) - begin));
 }
 
 }  // namespace

@@ -75,7 +75,7 @@ const std::vector<Documented> kElsewhere{
     {"console/pause_max", {0.2, 10.0}},     // pause_min
     {"virtual_raven/.*(dac_clip|homing_dac)", {0.0, 32767.0}},
     {"virtual_raven/.*/max_inst_dac", {1.0, 32767.0}},
-    {"virtual_raven/axes/.*/(torque|counts)_per_amp", {1e-6, 1e6}},  // divided by
+    {"virtual_raven/axes/.*/(transmission|(torque|counts)_per_amp)", {1e-6, 1e6}},  // divided by
     {"virtual_raven/(axes|training_levels)/.*", {0.0, 1e6}},
     {"detector/.*/inertia", {1e-7, 1.0}},
     {"detector/.*/(viscous|coulomb)", {0.0, 10.0}},
