@@ -32,8 +32,8 @@ class ColumnForm {
 
 constexpr std::uint8_t kMostDifferences = 4;  ///< a fifth order made no column of a session smaller (measured)
 
-/** How a column is kept: the order of its differences, and whether a formula's results (formula.h) are subtracted
- * before. A byte in the log. */
+/** How a column is kept, a byte in the log. Bits 0 to 6: order of its differences. Bit 7: a formula's results
+ * (formula.h) are subtracted before. */
 class ColumnCoding {
  public:
   static constexpr std::uint8_t kFormulaBit = 0x80;
@@ -47,7 +47,7 @@ class ColumnCoding {
   std::uint8_t code_;
 };
 
-/** Differences of an order, and what they would take. */
+/** An order, and what a sample of the column would take. */
 struct ColumnChoice {
   std::uint8_t order;
   std::uint64_t cost;  ///< [bits]
@@ -58,9 +58,9 @@ class ColumnCoder {
  public:
   /**
    * @param[in] values of `form.width()` bytes each, `stride` [bytes] apart.
-   * @param[in] predicted a formula's results, or null. Subtracted if that makes the numbers smaller.
+   * @param[in] predicted a formula's results for doubles, or null. Subtracted if that makes the numbers smaller.
    * @param[out] planes `form.width()` planes of `rows` bytes, lowest first, `plane_stride` [bytes] apart.
-   * @return the ColumnCoding that makes the numbers smallest.
+   * @return the ColumnCoding that makes a sample smallest.
    */
   std::uint8_t encode(ColumnForm form,
                       const std::uint8_t* values,

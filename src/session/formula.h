@@ -8,8 +8,8 @@
 #include "raven2_trainer/core/bytes.h"
 #include "raven2_trainer/core/types.h"
 
-// Some numbers of a tick follow from others: the tips from the joints, the robot's joints from its motors, the torques
-// from the control law. A chunk keeps such a number as its difference to a formula's result, most often a few units in
+// Some numbers of a tick follow from others: tips from joints, joints from rates or motors, torques from the control
+// law. A chunk keeps such a number as its difference to a formula's result, most often a few units in
 // the last place. The formulas are part of the log's format (doc/session.md, Formulas): every reader has to get the
 // same bits. So they consist only of sums, products, quotients, square roots, rounding and a series for sine and
 // cosine, in a fixed order, and use no other code of the trainer. If that code changes, logs become larger, never
@@ -33,7 +33,7 @@ struct FormulaBlock {
 };
 
 constexpr std::size_t kMostFormulas = 16;       ///< of a group
-constexpr std::size_t kMostFormulaRows = 1000;  ///< records of a group with formulas: a hostile log takes no longer
+constexpr std::size_t kMostFormulaRows = 1000;  ///< records of a group with formulas; limits a hostile log's time
 
 struct FormulaTraits {
   std::array<FormulaBlock, 7> blocks{};
@@ -54,7 +54,7 @@ struct Formula {
   bool read(ByteReader* in);
 };
 
-/** Records of one kind, one after the other. */
+/** Records of one type, one after the other. */
 struct RecordView {
   const std::uint8_t* rows;
   std::size_t stride;  ///< [bytes] of a record
@@ -80,7 +80,7 @@ struct MotorFilter {
 
 constexpr std::int64_t kMostCycles = 8;
 
-/** Cycles of the robot's control loop from one count to the next, 0 to kMostCycles. */
+/** Cycles of the robot's control loop between two counts, limited to 0 to kMostCycles. */
 std::int64_t cyclesBetween(std::int64_t before, std::int64_t now) noexcept;
 
 /** The formula's results, column by column; 0 in place of one that is not finite. Its columns must be in the record. */

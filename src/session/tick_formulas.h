@@ -13,8 +13,8 @@ class TickFormulas {
  public:
   explicit TickFormulas(const TickConstants& constants) : constants_(constants) {}
 
-  /** For the ticks of one chunk. The robot's filter goes on from the last chunk's ticks. If these come again after a
-   * failed write, the log is a little larger. */
+  /** For the ticks of one chunk. The robot's filter goes on from the last chunk's ticks. Ticks that come again after a
+   * failed write make the log a little larger. */
   std::vector<Formula> of(const RecordView& ticks);
 
  private:
@@ -24,7 +24,7 @@ class TickFormulas {
   TickConstants constants_;
   PerArm<MotorFilter> filters_;
   PerArm<JointArray> motor_{};  ///< [rad] of the last tick
-  std::optional<Tick> cycle_;   ///< of the robot's control loop, in it; empty: none yet
+  std::optional<Tick> cycle_;   ///< the last tick's robot cycle; empty: none yet
 };
 
 }  // namespace raven2_trainer::session

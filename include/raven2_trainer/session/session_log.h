@@ -58,14 +58,14 @@ struct LogHeader {
   std::vector<ConfigurationFile> configuration;      ///< copied files, root file first; empty: no copies
 };
 
-/** Gains of a control law. Each: [Nm, N] for rad and m, their rates, their integrals over time. */
+/** Gains of a control law, each [Nm; N] per [rad; m]: of the error, its rate and its integral over time. */
 struct ControlGains {
   JointArray kp{}, kd{}, ki{};
 };
 
 /**
- * Constants of the log's formulas (doc/session.md, Formulas), which make a session of moving arms two fifths smaller.
- * They change only the size: with any other constants, the same records are read.
+ * Constants of the log's formulas (doc/session.md, Formulas). Good ones make a session of moving arms two fifths smaller;
+ * with any others, the same records are read.
  */
 struct TickConstants {
   double d4{}, lw{};  ///< [m] ArmGeometry
