@@ -2,7 +2,7 @@
 
 The log describes itself: its first record lists the fields of every other record, and the numpy types are built from
 that list, so this module knows no field by name. Format: doc/session.md. It is the session.py of the Python package as
-well (with raven2_formulas.py as formulas.py): that is why this file is long.
+well (with raven2_formulas.py as _formulas.py): that is why this file is long.
 
     import raven2_session                          # in scripts/; elsewhere: from raven2_trainer import session as raven2_session
     session = raven2_session.Session("sessions/2026-01-31T12-00-00Z")
@@ -26,7 +26,7 @@ import zlib
 import numpy as np
 
 try:
-    from . import formulas  # in the Python package
+    from . import _formulas as formulas  # in the Python package
 except ImportError:
     import raven2_formulas as formulas
 

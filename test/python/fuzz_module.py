@@ -171,7 +171,8 @@ def members(kind, name_of_kind, objects):
 def find_callables(objects):
     """All of the package's own, in the same order each time."""
     found = []
-    for module_name in sorted(each.name for each in pkgutil.iter_modules(raven2_trainer.__path__)):
+    names = (each.name for each in pkgutil.iter_modules(raven2_trainer.__path__))
+    for module_name in sorted(name for name in names if name == "_core" or not name.startswith("_")):
         if module_name in NOT_CALLED:
             continue
         module = importlib.import_module(f"raven2_trainer.{module_name}")
