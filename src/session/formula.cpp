@@ -79,38 +79,48 @@ struct Axes {
   }
 };
 
-struct Tip {
-  Axes axes;
-  Vec3 p, v;
+/** The arm's frames up to the wrist. */
+struct Walk {
+  Axes wrist;
+  Vec3 shoulder, elbow, shaft;
 };
 
 /** @param[in] constants the arm (0 gold, 1 green), d4 and lw [m]. */
-Tip tipOf(const double* constants, const JointArray& q, const JointArray& dq) noexcept {
+Walk walk(const double* constants, const JointArray& q) noexcept {
   const Chain& chain = kChains[constants[0] == 0.0 ? 0 : 1];
-  Tip tip{};
-  Axes& a = tip.axes;
+  Walk w{};
+  Axes& a = w.wrist;
   a.link(chain.twist0, cosSin(q[0] + chain.offset1));
-  const Vec3 shoulder = a.z;
+  w.shoulder = a.z;
   a.link(kLink12, cosSin(q[1] + chain.offset2));
-  const Vec3 elbow = a.z;
+  w.elbow = a.z;
   a.link(chain.twist2, chain.theta3);
-  const Vec3 shaft = a.z;
+  w.shaft = a.z;
   a.link({1.0, 0.0}, cosSin(q[3]));
   a.link({0.0, 1.0}, cosSin(q[4] - kPi / 2.0));
+  return w;
+}
+
+struct Tip {
+  Vec3 p, v;
+};
+
+Tip tipOf(const double* constants, const JointArray& q, const JointArray& dq) noexcept {
+  const Walk w = walk(constants, q);
   const double depth = q[2] + constants[1];
+  Tip tip{};
   Vec3 lever{};
   for (std::size_t i = 0; i < 3; ++i) {
-    lever[i] = constants[2] * a.x[i];
-    tip.p[i] = depth * shaft[i] + lever[i];
+    lever[i] = constants[2] * w.wrist.x[i];
+    tip.p[i] = depth * w.shaft[i] + lever[i];
   }
-  const std::array<Vec3, 5> columns{cross(shoulder, tip.p), cross(elbow, tip.p), shaft, cross(shaft, tip.p),
-                                    cross(a.z, lever)};
+  const std::array<Vec3, 5> columns{cross(w.shoulder, tip.p), cross(w.elbow, tip.p), w.shaft, cross(w.shaft, tip.p),
+                                    cross(w.wrist.z, lever)};
   for (std::size_t i = 0; i < 3; ++i) {
     tip.v[i] = columns[0][i] * dq[0];
     for (std::size_t j = 1; j < columns.size(); ++j)
       tip.v[i] += columns[j][i] * dq[j];
   }
-  a.link({0.0, 1.0}, cosSin((q[6] - q[5]) / 2.0));
   return tip;
 }
 
@@ -232,8 +242,12 @@ void tip(const Formula& f, const RecordView& records, Results out) noexcept {
 }
 
 void orientation(const Formula& f, const RecordView& records, Results out) noexcept {
-  for (std::size_t row = 0; row < records.count; ++row)
-    out.put(0, row, quaternion(tipOf(f.numbers.data(), records.joints(f.columns[0], row), {}).axes));
+  for (std::size_t row = 0; row < records.count; ++row) {
+    const JointArray q = records.joints(f.columns[0], row);
+    Axes tool = walk(f.numbers.data(), q).wrist;
+    tool.link({0.0, 1.0}, cosSin((q[6] - q[5]) / 2.0));
+    out.put(0, row, quaternion(tool));
+  }
 }
 
 using Evaluate = void (*)(const Formula&, const RecordView&, Results);
