@@ -60,9 +60,8 @@ class _Axes:
             self.x[i] = angle[0] * self.x[i] + angle[1] * twisted
 
 
-def _tip(numbers, q, dq=None):
-    """(axes, place, velocity) of the tool; without dq the axes alone."""
-    arm, d4, lw = numbers
+def _walk(arm, q):
+    """(axes at the wrist, axes of shoulder, elbow and shaft)"""
     twist0, twist2, theta3, offset1, offset2 = CHAINS[0 if arm == 0.0 else 1]
     axes = _Axes()
     axes.link(twist0, _cos_sin(q[0] + offset1))
@@ -73,19 +72,23 @@ def _tip(numbers, q, dq=None):
     shaft = list(axes.z)
     axes.link((1.0, 0.0), _cos_sin(q[3]))
     axes.link((0.0, 1.0), _cos_sin(q[4] - np.pi / 2.0))
-    if dq is None:
-        axes.link((0.0, 1.0), _cos_sin((q[6] - q[5]) / 2.0))
-        return axes, None, None
+    return axes, shoulder, elbow, shaft
+
+
+def _tip(numbers, q, dq):
+    """Place and velocity."""
+    arm, d4, lw = numbers
+    wrist, shoulder, elbow, shaft = _walk(arm, q)
     depth = q[2] + d4
-    lever = [lw * axes.x[i] for i in range(3)]
+    lever = [lw * wrist.x[i] for i in range(3)]
     p = [depth * shaft[i] + lever[i] for i in range(3)]
-    columns = [_cross(shoulder, p), _cross(elbow, p), shaft, _cross(shaft, p), _cross(axes.z, lever)]
+    columns = [_cross(shoulder, p), _cross(elbow, p), shaft, _cross(shaft, p), _cross(wrist.z, lever)]
     v = []
     for i in range(3):
         v.append(columns[0][i] * dq[0])
         for j in range(1, 5):
             v[i] = v[i] + columns[j][i] * dq[j]
-    return axes, p, v
+    return [*p, *v]
 
 
 def _quaternion(axes):
@@ -118,7 +121,9 @@ def _times(matrix, values):
 
 
 def _filtered(steps, x, y):
-    """The robot's low pass of rows of rates. x, y: the three rates and results before, newest first. Also its last results."""
+    """The robot's low pass: first its last result before these steps, then one for each step.
+
+    steps: rows of rates. x, y: the last three rates and results before them, newest first."""
     before = np.concatenate([x[::-1], steps])
     inputs = ((0.02864 * steps + 0.08591 * before[2:-1]) + 0.08591 * before[1:-2]) + 0.02864 * before[:-3]
     out = np.concatenate([y[::-1], np.empty_like(steps)])
@@ -162,16 +167,13 @@ def _control(numbers, q_d, q, dq):
     return ((kp * error - kd * np.concatenate([dq[:, :1], dq[:, :-1]], axis=1)) + np.cumsum(term, axis=1)) + base
 
 
-def _tip_motion(numbers, q, dq):
-    _, p, v = _tip(numbers, q, dq)
-    return [*p, *v]
-
-
 def _orientation(numbers, q):
-    return _quaternion(_tip(numbers, q)[0])
+    tool = _walk(numbers[0], q)[0]
+    tool.link((0.0, 1.0), _cos_sin((q[6] - q[5]) / 2.0))
+    return _quaternion(tool)
 
 
-EVALUATE = {1: _robot, 2: _positions, 3: _control, 4: _tip_motion, 5: _orientation}
+EVALUATE = {1: _robot, 2: _positions, 3: _control, 4: _tip, 5: _orientation}
 
 
 class Formula:

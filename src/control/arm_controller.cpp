@@ -1,15 +1,12 @@
 #include "raven2_trainer/control/arm_controller.h"
 
 namespace raven2_trainer::control {
-namespace {
 
 std::array<JointGains, kJointCount> gainsOf(const ControllerConfig& config, Arm arm) noexcept {
   std::array<JointGains, kJointCount> gains = config.gains;
   if (arm == Arm::kGreen) gains[kInsertion].kd = config.green_insertion_kd;
   return gains;
 }
-
-}  // namespace
 
 ArmController::ArmController(const ControllerConfig& config, Arm arm) noexcept
     : gravity_compensation_(config.gravity_compensation), pid_(gainsOf(config, arm)) {

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "raven2_trainer/control/arm_controller.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/model/mesh_files.h"
 #include "raven2_trainer/raven/cable_coupling.h"
@@ -15,8 +16,8 @@
 namespace raven2_trainer::recording {
 namespace {
 
-constexpr std::int64_t kRetryNs = 500'000'000;   // [ns] a quarter of the 2 s that the queues hold
-constexpr std::int64_t kSyncNs = 900'000'000;    // [ns] every other batch: what a loss of power can cost
+constexpr std::int64_t kRetryNs = 500'000'000;  // [ns] a quarter of the 2 s that the queues hold
+constexpr std::int64_t kSyncNs = 900'000'000;   // [ns] every other batch: what a loss of power can cost
 // Longer batches are hardly smaller: 0.1 s 643, 0.25 s 620, 0.5 s 607, 1 s 600 bytes a tick of teleoperation
 // (measured, without formulas).
 constexpr Tick kBatch = 500;                // [ms]
@@ -111,14 +112,13 @@ std::array<JointArray, kJointCount> jointOfMotor(const VirtualRavenConfig& robot
   return rows;
 }
 
-session::ControlGains gainsOf(const ModelConfig& model, Arm arm) {
+session::ControlGains logGains(const std::array<JointGains, kJointCount>& all) {
   session::ControlGains gains;
   for (std::size_t j = 0; j < kJointCount; ++j) {
-    gains.kp[j] = model.gains[j].kp;
-    gains.kd[j] = model.gains[j].kd;
-    gains.ki[j] = model.gains[j].ki;
+    gains.kp[j] = all[j].kp;
+    gains.kd[j] = all[j].kd;
+    gains.ki[j] = all[j].ki;
   }
-  if (arm == Arm::kGreen) gains.kd[kInsertion] = model.green_insertion_kd;
   return gains;
 }
 
@@ -128,7 +128,7 @@ session::TickConstants tickConstants(const TrainerConfig& config) {
   constants.lw = config.arms.geometry.lw;
   for (const Arm arm : kArms) {
     at(constants.joint_of_motor, arm) = jointOfMotor(config.virtual_raven, arm);
-    at(constants.gains, arm) = gainsOf(config.model, arm);
+    at(constants.gains, arm) = logGains(control::gainsOf(config.model, arm));
   }
   return constants;
 }

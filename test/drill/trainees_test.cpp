@@ -27,10 +27,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kSeconds = 9.0;       // longest delay of these drills, plus 3 s for the response, plus a margin
-constexpr double kAgreement = 5.0;     // [ms] between the measured reaction time and the truth
-constexpr double kPicture = 33.4;      // [ms] between two pictures: as exact as a ghost is seen (doc/scores.md)
-constexpr double kReactionTime = 0.4;  // [s]
+constexpr double kSeconds = 9.0;          // longest delay of these drills, plus 3 s for the response, plus a margin
+constexpr double kAgreement = 5.0;        // [ms] between the measured reaction time and the truth
+constexpr double kPicture = 1000.0 / 30;  // [ms] between two pictures: as exact as a ghost is seen (doc/scores.md)
+constexpr double kReactionTime = 0.4;     // [s]
 
 /** A recorded session of one trainee, with the trainee's own record. */
 class Session {

@@ -321,7 +321,7 @@ class ReaderTest(LogCase):
         positions = struct.pack("<B2H14d", 2, 0, 1, *[0.0] * 14)
         self.assertEqual(len(self.read(header_record() + chunk_of(b"\0")).requests), 2)
         for what, framed in {"columns that are no doubles": chunk_of(b"\1" + positions), "cut": chunk_of(b"\2" + positions),
-                             "kind 0": chunk_of(b"\1\0"), "kind 6": chunk_of(b"\1\6"), "17": chunk_of(b"\x11" + 17 * positions),
+                             "kind 0": chunk_of(b"\1\0"), "kind 6": chunk_of(b"\1\6"),
                              "without its formula": chunk_of(b"\0", (0x80, 0)), "no number of formulas": chunk_of(b"")}.items():
             with self.subTest(what):
                 log = self.read(header_record() + framed + request(7))
@@ -329,16 +329,20 @@ class ReaderTest(LogCase):
                 self.assertEqual(log.bad_bytes, len(framed))
 
     def test_no_more_than_a_second_of_records_has_formulas(self):
-        for rows, count in ((1000, 1), (1001, 1), (3, 2)):
+        robot = struct.pack("<B7H182d", 1, 0, 1, 8, 15, 15, 15, 15, *[0.0] * 182)
+        positions = struct.pack("<B2H14d", 2, 1, 15, *[0.0] * 14)
+        for rows, formulas, is_good in ((1000, [robot], True), (1001, [robot], False), (3, [robot, robot], False),
+                                        (3, 16 * [positions], True), (3, 17 * [positions], False)):
             forms, orders = [8] + 21 * [0x88], 15 * [0] + 7 * [0x80]
-            robot = struct.pack("<B7H182d", 1, 0, 1, 8, 15, 15, 15, 15, *[0.0] * 182)
             groups = struct.pack("<IIHHII", rows, 1, 9, 1, rows, 22) + bytes(rows) + bytes(forms) + bytes(orders)
-            contents = groups + bytes([count]) + count * robot + bytes(rows * 176)
-            if (rows, count) == (1000, 1):
-                self.assertEqual(len(raven2_session._Chunk(span(0, 1) + compressed(contents), 2).groups[0].formulas), 1)
-                continue
-            with self.assertRaises(ValueError):
-                raven2_session._Chunk(span(0, 1) + compressed(contents), 2)
+            contents = groups + bytes([len(formulas)]) + b"".join(formulas) + bytes(rows * 176)
+            with self.subTest(f"{rows} records, {len(formulas)} formulas"):
+                if is_good:
+                    group = raven2_session._Chunk(span(0, 1) + compressed(contents), 2).groups[0]
+                    self.assertEqual(len(group.formulas), len(formulas))
+                else:
+                    with self.assertRaises(ValueError):
+                        raven2_session._Chunk(span(0, 1) + compressed(contents), 2)
 
     def test_what_looks_like_the_head_of_a_chunk_costs_no_checksum(self):
         fake = raven2_session.FRAME.pack(raven2_session.MAGIC, 14, 2, 2**20, 7) + bytes(2**20 + 4)

@@ -8,7 +8,7 @@
 
 namespace raven2_trainer::testing {
 
-/** Any that are possible. */
+/** Of no particular robot. */
 inline session::TickConstants tickConstants() {
   session::TickConstants constants;
   constants.d4 = -0.47;

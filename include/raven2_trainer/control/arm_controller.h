@@ -11,6 +11,9 @@ struct JointTarget {
   JointArray dq{};  ///< [rad/s; m/s]
 };
 
+/** The gains of one arm: that of the insertion's rate differs between the arms. */
+std::array<JointGains, kJointCount> gainsOf(const ControllerConfig& config, Arm arm) noexcept;
+
 /** The control law of one arm of the nominal model: gravity compensation, PD, and PID for the insertion (paper, 3.1),
  *  with that arm's gains. The live model and the planner's prediction use this same law. Real-time safe. */
 class ArmController {

@@ -64,8 +64,8 @@ struct ControlGains {
 };
 
 /**
- * Constants of the log's formulas (doc/session.md, Formulas). Good ones make a session of moving arms two fifths smaller;
- * with any others, the same records are read.
+ * Constants of the log's formulas (doc/session.md, Formulas). Good ones make a session of moving arms two fifths
+ * smaller; with any others, the same records are read.
  */
 struct TickConstants {
   double d4{}, lw{};  ///< [m] ArmGeometry
@@ -88,7 +88,7 @@ struct LogPosition {
  */
 class LogWriter {
  public:
-  /** Creates a log and writes its header. */
+  /** Creates a log and writes its header. @param[in] constants Empty: chunks without formulas. */
   LogWriter(const std::string& path,
             const LogHeader& header,
             const std::optional<TickConstants>& constants = std::nullopt);

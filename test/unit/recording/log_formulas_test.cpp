@@ -219,10 +219,10 @@ TEST(LogFormulas, GiveZeroWhereTheResultIsNotFinite) {
   table.add(std::vector<double>(14, kNan));
   table.add(std::vector<double>(14, kHuge));
   table.add(std::vector<double>(14, -std::numeric_limits<double>::infinity()));
-  for (const double results : table.evaluated({FormulaKind::kTip, {0, 7, 0, 0}, {1.0, kNan, kHuge}}))
-    EXPECT_EQ(results, 0.0);
-  for (const double results : table.evaluated({FormulaKind::kOrientation, {0, 0}, {kHuge, kNan, kHuge}}))
-    EXPECT_TRUE(std::abs(results) <= 1.0);
+  for (const double result : table.evaluated({FormulaKind::kTip, {0, 7, 0, 0}, {1.0, kNan, kHuge}}))
+    EXPECT_EQ(result, 0.0);
+  for (const double result : table.evaluated({FormulaKind::kOrientation, {0, 0}, {kHuge, kNan, kHuge}}))
+    EXPECT_TRUE(std::abs(result) <= 1.0);
 }
 
 // ---- logs with them -----------------------------------------------------------------------------------------------
@@ -386,7 +386,7 @@ TEST(LogFormulas, AGroupWithThemHasAtMostASecondOfTicks) {
   const Bytes log = readBytes(writeMoves("limit.rlog", std::nullopt));
   parts.header = partsOf(log).header;
   for (const std::uint32_t rows : {1000U, 1001U}) {
-    const std::array<std::uint32_t, 5> head{rows, 1, 99, rows, 14};  // of a type that nobody knows
+    const std::array<std::uint32_t, 5> head{rows, 1, 99, rows, 14};  // of an unknown type
     const auto* begin = reinterpret_cast<const std::uint8_t*>(head.data());
     parts.begin.assign(begin, begin + sizeof(head));
     parts.begin.insert(parts.begin.end(), rows, 0);
