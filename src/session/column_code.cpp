@@ -55,14 +55,18 @@ std::uint64_t bitsOfDouble(double value) noexcept {
   return bits;
 }
 
-/** The order whose differences have the fewest bits in all, as far as a part of the column shows it. */
-ColumnChoice bestOrder(const std::vector<std::uint64_t>& numbers, unsigned bits) noexcept {
-  constexpr std::size_t kLookedAt = 64;  // in the middle: 160 save 0.01 % (measured)
-  const std::size_t rows = std::min(numbers.size(), kLookedAt), first = (numbers.size() - rows) / 2;
+/** An order, and the bits of the differences. */
+struct OrderChoice {
+  std::uint8_t order;
+  std::uint64_t cost;
+};
+
+/** The order whose differences have the fewest bits in all. */
+OrderChoice bestOrder(const std::vector<std::uint64_t>& numbers, unsigned bits) noexcept {
   std::array<std::uint64_t, kOrders> cost{};
   Differences differences;
-  for (std::size_t i = first; i < first + rows; ++i) {
-    const auto all = differences.next(numbers[i]);
+  for (const std::uint64_t number : numbers) {
+    const auto all = differences.next(number);
     cost[0] += bitsOf(all[0]);
     for (std::size_t k = 1; k < kOrders; ++k)
       cost[k] += bitsOf(folded(all[k], bits));
@@ -87,95 +91,152 @@ void sum(std::vector<std::uint64_t>* numbers) noexcept {
     (*numbers)[i] += (*numbers)[i - 1];
 }
 
-/** One number of each record. */
-template <typename Word>
-class Rows {
- public:
-  Rows(const std::uint8_t* values, std::size_t stride, std::size_t rows) noexcept
-      : values_(values), stride_(stride), rows_(rows) {}
+constexpr std::size_t kSide = 8;
 
-  Word operator[](std::size_t i) const noexcept {
-    Word word;
-    std::memcpy(&word, values_ + i * stride_, sizeof(word));
-    return word;
-  }
-
-  bool areEqual() const noexcept {
-    for (std::size_t i = 1; i < rows_; ++i) {
-      if ((*this)[i] != (*this)[0]) return false;
+/** Eight numbers of eight bytes as the rows of a square, whose columns become its rows. Its own inverse. */
+void transpose(std::array<std::uint64_t, kSide>* square) noexcept {
+  for (std::size_t distance = kSide / 2; distance > 0; distance /= 2) {
+    const std::size_t bits = 8 * distance;
+    const std::uint64_t low = ~0ULL / ((1ULL << bits) + 1);  // every other `distance` bytes, the lowest among them
+    for (std::size_t i = 0; i < kSide; ++i) {
+      if ((i & distance) != 0) continue;
+      std::uint64_t &above = (*square)[i], &below = (*square)[i + distance];
+      const std::uint64_t changed = ((above >> bits) ^ below) & low;
+      above ^= changed << bits;
+      below ^= changed;
     }
-    return true;
   }
+}
 
-  /** All of them, or only the first if the others are equal to it. */
-  void read(std::vector<std::uint64_t>* numbers) const {
-    numbers->resize(areEqual() ? std::min<std::size_t>(rows_, 1) : rows_);
-    for (std::size_t i = 0; i < numbers->size(); ++i)
-      (*numbers)[i] = (*this)[i];
+/** Byte b of each number goes to plane b. */
+void toPlanes(const std::vector<std::uint64_t>& numbers, std::size_t width, std::uint8_t* planes, std::size_t stride) {
+  std::size_t i = 0;
+  for (; i + kSide <= numbers.size(); i += kSide) {
+    std::array<std::uint64_t, kSide> square;
+    std::copy_n(numbers.data() + i, kSide, square.begin());
+    transpose(&square);
+    for (std::size_t b = 0; b < width; ++b)
+      std::memcpy(planes + b * stride + i, &square[b], kSide);
   }
+  for (; i < numbers.size(); ++i) {
+    for (std::size_t b = 0; b < width; ++b)
+      planes[b * stride + i] = static_cast<std::uint8_t>(numbers[i] >> (8 * b));
+  }
+}
 
- private:
-  const std::uint8_t* values_;
-  std::size_t stride_, rows_;
-};
+/** The reverse. */
+void fromPlanes(const std::uint8_t* planes,
+                std::size_t stride,
+                std::size_t width,
+                std::vector<std::uint64_t>* numbers) {
+  std::size_t i = 0;
+  for (; i + kSide <= numbers->size(); i += kSide) {
+    std::array<std::uint64_t, kSide> square{};
+    for (std::size_t b = 0; b < width; ++b)
+      std::memcpy(&square[b], planes + b * stride + i, kSide);
+    transpose(&square);
+    std::copy_n(square.begin(), kSide, numbers->data() + i);
+  }
+  for (; i < numbers->size(); ++i) {
+    (*numbers)[i] = 0;
+    for (std::size_t b = 0; b < width; ++b)
+      (*numbers)[i] |= static_cast<std::uint64_t>(planes[b * stride + i]) << (8 * b);
+  }
+}
+
+template <typename Word>
+Word wordOf(const ColumnView& column, std::size_t row) noexcept {
+  Word word;
+  std::memcpy(&word, column.values + row * column.stride, sizeof(word));
+  return word;
+}
+
+template <typename Word>
+bool areEqual(const ColumnView& column) noexcept {
+  for (std::size_t i = 1; i < column.rows; ++i) {
+    if (wordOf<Word>(column, i) != wordOf<Word>(column, 0)) return false;
+  }
+  return true;
+}
+
+template <typename Word>
+void readWords(const ColumnView& column, std::size_t first, std::vector<std::uint64_t>* numbers) noexcept {
+  for (std::size_t i = 0; i < numbers->size(); ++i)
+    (*numbers)[i] = wordOf<Word>(column, first + i);
+}
+
+/** Calls `use` with a number of the column's width. */
+template <typename Use>
+auto withWord(ColumnForm form, const Use& use) {
+  switch (form.width()) {
+    case 1:
+      return use(std::uint8_t{});
+    case 2:
+      return use(std::uint16_t{});
+    case 4:
+      return use(std::uint32_t{});
+    default:
+      return use(std::uint64_t{});
+  }
+}
+
+unsigned bitsOf(ColumnForm form) noexcept {
+  return static_cast<unsigned>(8 * form.width());
+}
 
 }  // namespace
 
-void ColumnCoder::read(ColumnForm form, const std::uint8_t* values, std::size_t stride, std::size_t rows) {
-  switch (form.width()) {
-    case 1:
-      Rows<std::uint8_t>(values, stride, rows).read(&numbers_);
-      break;
-    case 2:
-      Rows<std::uint16_t>(values, stride, rows).read(&numbers_);
-      break;
-    case 4:
-      Rows<std::uint32_t>(values, stride, rows).read(&numbers_);
-      break;
-    default:
-      Rows<std::uint64_t>(values, stride, rows).read(&numbers_);
-      break;
-  }
-  if (form.isFloat()) std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(), ordered);
+void ColumnCoder::reserve(std::size_t rows) {
+  numbers_.reserve(rows);
 }
 
-std::uint8_t ColumnCoder::encode(ColumnForm form,
-                                 const std::uint8_t* values,
-                                 std::size_t stride,
-                                 std::size_t rows,
-                                 const double* predicted,
-                                 std::uint8_t* planes,
-                                 std::size_t plane_stride) {
-  const auto bits = static_cast<unsigned>(8 * form.width());
-  read(form, values, stride, rows);
-  // Most numbers of a tick do not change for seconds: one number, and then differences of zero.
-  const bool is_constant = numbers_.size() <= 1, is_zero = numbers_.empty() || numbers_[0] == 0;
-  const ColumnChoice best =
-      is_constant ? ColumnChoice{static_cast<std::uint8_t>(is_zero ? 0 : 1), 0} : bestOrder(numbers_, bits);
-  const ColumnChoice other = predicted != nullptr && !is_constant ? bestWith(predicted) : best;
-  const bool has_formula = other.cost < best.cost;
-  if (has_formula) numbers_.swap(residuals_);
-  const std::uint8_t order = has_formula ? other.order : best.order;
-  for (std::uint8_t k = 0; k < order; ++k)
-    subtractBefore(&numbers_);
-  if (order > 0) {
-    for (std::uint64_t& number : numbers_)
-      number = folded(number, bits);
-  }
-  for (std::size_t b = 0; b < form.width(); ++b) {
-    std::uint8_t* plane = planes + b * plane_stride;
-    for (std::size_t i = 0; i < numbers_.size(); ++i)
-      plane[i] = static_cast<std::uint8_t>(numbers_[i] >> (8 * b));
-    std::fill(plane + numbers_.size(), plane + rows, std::uint8_t{0});
-  }
-  return has_formula ? order | ColumnCoding::kFormulaBit : order;
+void ColumnCoder::read(const ColumnView& column, std::size_t first, std::size_t count) {
+  numbers_.resize(count);
+  withWord(column.form, [&](auto word) { readWords<decltype(word)>(column, first, &numbers_); });
+  if (column.form.isFloat()) std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(), ordered);
 }
 
-ColumnChoice ColumnCoder::bestWith(const double* predicted) {
-  residuals_.resize(numbers_.size());
+/** @param[in] predicted for each of the numbers. */
+void ColumnCoder::subtract(const double* predicted) noexcept {
   for (std::size_t i = 0; i < numbers_.size(); ++i)
-    residuals_[i] = numbers_[i] - ordered(bitsOfDouble(predicted[i]));
-  return bestOrder(residuals_, 64);
+    numbers_[i] -= ordered(bitsOfDouble(predicted[i]));
+}
+
+ColumnChoice ColumnCoder::choose(const ColumnView& column) {
+  // Most numbers of a tick do not change for seconds: one number, and then differences of zero.
+  if (withWord(column.form, [&](auto word) { return areEqual<decltype(word)>(column); })) {
+    read(column, 0, std::min<std::size_t>(column.rows, 1));
+    const bool is_zero = numbers_.empty() || numbers_[0] == 0;
+    return {static_cast<std::uint8_t>(is_zero ? 0 : 1), true};
+  }
+  constexpr std::size_t kLookedAt = 64;  // in the middle: 160 save 0.01 % (measured)
+  const std::size_t count = std::min(column.rows, kLookedAt), first = (column.rows - count) / 2;
+  read(column, first, count);
+  const OrderChoice plain = bestOrder(numbers_, bitsOf(column.form));
+  if (column.predicted == nullptr) return {plain.order, false};
+  subtract(column.predicted + first);
+  const OrderChoice with_formula = bestOrder(numbers_, bitsOf(column.form));
+  const bool is_better = with_formula.cost < plain.cost;
+  const unsigned code = is_better ? with_formula.order | ColumnCoding::kFormulaBit : plain.order;
+  return {static_cast<std::uint8_t>(code), false};
+}
+
+void ColumnCoder::encode(const ColumnView& column,
+                         ColumnChoice choice,
+                         std::uint8_t* planes,
+                         std::size_t plane_stride) {
+  const ColumnCoding coding(choice.code);
+  read(column, 0, choice.is_constant ? std::min<std::size_t>(column.rows, 1) : column.rows);
+  if (coding.hasFormula()) subtract(column.predicted);
+  for (std::uint8_t k = 0; k < coding.order(); ++k)
+    subtractBefore(&numbers_);
+  if (coding.order() > 0) {
+    for (std::uint64_t& number : numbers_)
+      number = folded(number, bitsOf(column.form));
+  }
+  toPlanes(numbers_, column.form.width(), planes, plane_stride);
+  for (std::size_t b = 0; b < column.form.width(); ++b)
+    std::fill(planes + b * plane_stride + numbers_.size(), planes + b * plane_stride + column.rows, std::uint8_t{0});
 }
 
 void ColumnCoder::decode(ColumnForm form,
@@ -188,12 +249,8 @@ void ColumnCoder::decode(ColumnForm form,
   const std::size_t width = form.width();
   const std::uint8_t order = ColumnCoding(code).order();
   const bool is_ordered = form.isFloat() && !ColumnCoding(code).hasFormula();
-  numbers_.assign(rows, 0);
-  for (std::size_t b = 0; b < width; ++b) {
-    const std::uint8_t* plane = planes + b * plane_stride;
-    for (std::size_t i = 0; i < rows; ++i)
-      numbers_[i] |= static_cast<std::uint64_t>(plane[i]) << (8 * b);
-  }
+  numbers_.resize(rows);
+  fromPlanes(planes, plane_stride, width, &numbers_);
   if (order > 0) std::transform(numbers_.begin(), numbers_.end(), numbers_.begin(), unfolded);
   for (std::uint8_t k = 0; k < order; ++k)
     sum(&numbers_);

@@ -47,28 +47,30 @@ class ColumnCoding {
   std::uint8_t code_;
 };
 
-/** An order, and what a sample of the column would take. */
+/** How a column of a chunk is to be kept. */
 struct ColumnChoice {
-  std::uint8_t order;
-  std::uint64_t cost;  ///< [bits]
+  std::uint8_t code;  ///< ColumnCoding
+  bool is_constant;
+};
+
+/** One number of each of many records. */
+struct ColumnView {
+  ColumnForm form;
+  const std::uint8_t* values;  ///< the first, `form.width()` bytes
+  std::size_t stride;          ///< [bytes] from one to the next
+  std::size_t rows;
+  const double* predicted;  ///< a formula's results for doubles, or null
 };
 
 /** Works on one column after the other; keeps its memory. */
 class ColumnCoder {
  public:
-  /**
-   * @param[in] values of `form.width()` bytes each, `stride` [bytes] apart.
-   * @param[in] predicted a formula's results for doubles, or null. Subtracted if that makes the numbers smaller.
-   * @param[out] planes `form.width()` planes of `rows` bytes, lowest first, `plane_stride` [bytes] apart.
-   * @return the ColumnCoding that makes a sample smallest.
-   */
-  std::uint8_t encode(ColumnForm form,
-                      const std::uint8_t* values,
-                      std::size_t stride,
-                      std::size_t rows,
-                      const double* predicted,
-                      std::uint8_t* planes,
-                      std::size_t plane_stride);
+  /** Takes the memory for columns of so many rows. */
+  void reserve(std::size_t rows);
+  /** @return the coding that makes a sample smallest. It subtracts the formula's results if that helps. */
+  ColumnChoice choose(const ColumnView& column);
+  /** @param[out] planes `form.width()` planes of `rows` bytes, lowest first, `plane_stride` [bytes] apart. */
+  void encode(const ColumnView& column, ColumnChoice choice, std::uint8_t* planes, std::size_t plane_stride);
   /** The reverse. Of a column with a formula, `values` are differences: addFormula() completes them. */
   void decode(ColumnForm form,
               std::uint8_t code,
@@ -79,11 +81,10 @@ class ColumnCoder {
               std::size_t stride);
 
  private:
-  void read(ColumnForm form, const std::uint8_t* values, std::size_t stride, std::size_t rows);
-  ColumnChoice bestWith(const double* predicted);
+  void read(const ColumnView& column, std::size_t first, std::size_t count);
+  void subtract(const double* predicted) noexcept;
 
-  std::vector<std::uint64_t> numbers_;    // of a column; in encode() only the first if all are equal
-  std::vector<std::uint64_t> residuals_;  // of these to a formula's results
+  std::vector<std::uint64_t> numbers_;  // of a column; in encode() only the first if all are equal
 };
 
 /** Adds a formula's results to the differences of one column. */

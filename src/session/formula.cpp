@@ -10,13 +10,36 @@ constexpr double kPeriod = 0.001;  // [s]
 
 // ---- tip: modified DH, as src/kinematics ---------------------------------------------------------------------------
 
+/** The same number of two records. The processor computes both at once, each with the bits that it has alone. */
+using Pair = double __attribute__((vector_size(16)));
+using PairBits = std::uint64_t __attribute__((vector_size(16)));
+
+template <std::size_t kSize>
+struct Pairs {
+  Pair at[kSize];
+
+  Pair& operator[](std::size_t i) noexcept { return at[i]; }
+  const Pair& operator[](std::size_t i) const noexcept { return at[i]; }
+};
+
+PairBits bitsOf(Pair pair) noexcept {
+  return reinterpret_cast<PairBits>(pair);
+}
+
+Pair pairOf(PairBits bits) noexcept {
+  return reinterpret_cast<Pair>(bits);
+}
+
 /** Cosine and sine of a rotation. */
 struct CosSin {
   double c, s;
 };
+struct CosSinPair {
+  Pair c, s;
+};
 
 /** fdlibm's series, less than three units in the last place off (measured); radians beyond 1e5 count as 0. */
-CosSin cosSin(double radians) noexcept {
+CosSinPair cosSin(Pair radians) noexcept {
   constexpr double kQuartersPerRadian = 6.36619772367581382433e-01;  // 2 / pi
   constexpr std::array<double, 3> kQuarter{1.57079632673412561417e+00, 6.07710050630396597660e-11,
                                            2.02226624879595063154e-21};
@@ -26,29 +49,26 @@ CosSin cosSin(double radians) noexcept {
   constexpr std::array<double, 6> kCosine{4.16666666666666019037e-02, -1.38888888888741095749e-03,
                                           2.48015872894767294178e-05, -2.75573143513906633035e-07,
                                           2.08757232129817482790e-09, -1.13596475577881948265e-11};
-  // Rounds to a whole number, a half to the even one, as rint() does, which is a call.
+  // Rounds to a whole number, a half to the even one, as rint() does, which is a call. It is then in the lowest bits.
   constexpr double kRounding = 6755399441055744.0;  // 1.5 * 2^52
-  const double angle = std::abs(radians) <= 1e5 ? radians : 0.0;
-  const double k = (angle * kQuartersPerRadian + kRounding) - kRounding;
-  const double r = ((angle - k * kQuarter[0]) - k * kQuarter[1]) - k * kQuarter[2];
-  const double z = r * r;
-  double sine = kSine[5], cosine = kCosine[5];
-  for (std::size_t i = 5; i-- > 0;) {
+  constexpr Pair kLargest{1e5, 1e5};
+  constexpr PairBits kSign{1ULL << 63U, 1ULL << 63U}, kOne{1, 1}, kTwo{2, 2};
+  const auto is_inside = reinterpret_cast<PairBits>(pairOf(bitsOf(radians) & ~kSign) <= kLargest);
+  const Pair angle = pairOf(bitsOf(radians) & is_inside);
+  const Pair rounded = angle * kQuartersPerRadian + kRounding;
+  const Pair k = rounded - kRounding;
+  const Pair r = ((angle - k * kQuarter[0]) - k * kQuarter[1]) - k * kQuarter[2];
+  const Pair z = r * r;
+  Pair sine = z * kSine[5] + kSine[4], cosine = z * kCosine[5] + kCosine[4];
+  for (std::size_t i = 4; i-- > 0;) {
     sine = sine * z + kSine[i];
     cosine = cosine * z + kCosine[i];
   }
-  const double s = r + (z * r) * sine;
-  const double c = 1.0 - (0.5 * z - (z * z) * cosine);
-  switch (static_cast<std::int64_t>(k) & 3) {
-    case 0:
-      return {c, s};
-    case 1:
-      return {-s, c};
-    case 2:
-      return {-c, -s};
-    default:
-      return {s, -c};
-  }
+  const PairBits s = bitsOf(r + (z * r) * sine);
+  const PairBits c = bitsOf(1.0 - (0.5 * z - (z * z) * cosine));
+  // In odd quarters the two change places; the cosine is negative in quarters 1 and 2, the sine in 2 and 3.
+  const PairBits quarter = bitsOf(rounded), is_odd = -(quarter & kOne), swapped = (c ^ s) & is_odd;
+  return {pairOf(c ^ swapped ^ (((quarter + kOne) & kTwo) << 62U)), pairOf(s ^ swapped ^ ((quarter & kTwo) << 62U))};
 }
 
 /** Constants of an arm's chain (doc/raven2.md 2). */
@@ -62,16 +82,19 @@ constexpr CosSin kLink23{0.61566147532565827967, 0.78801075360672195669};
 constexpr std::array<Chain, 2> kChains{Chain{{1.0, 0.0}, {-kLink23.c, kLink23.s}, {0.0, 1.0}, 3.5779249665883754, kPi},
                                        Chain{{-1.0, 0.0}, kLink23, {0.0, -1.0}, 0.43633231299858238, 0.0}};
 
-Vec3 cross(const Vec3& a, const Vec3& b) noexcept {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+Pairs<3> cross(const Pairs<3>& a, const Pairs<3>& b) noexcept {
+  return {{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]}};
 }
 
 struct Axes {
-  Vec3 x{1.0, 0.0, 0.0}, y{0.0, 1.0, 0.0}, z{0.0, 0.0, 1.0};
+  Pairs<3> x{{Pair{1.0, 1.0}, Pair{}, Pair{}}}, y{{Pair{}, Pair{1.0, 1.0}, Pair{}}},
+      z{{Pair{}, Pair{}, Pair{1.0, 1.0}}};
 
-  void link(const CosSin& twist, const CosSin& angle) noexcept {
+  /** @param[in] angle of one or of two records. */
+  template <typename Angle>
+  void link(const CosSin& twist, const Angle& angle) noexcept {
     for (std::size_t i = 0; i < 3; ++i) {
-      const double twisted = twist.c * y[i] + twist.s * z[i];
+      const Pair twisted = twist.c * y[i] + twist.s * z[i];
       z[i] = twist.c * z[i] - twist.s * y[i];
       y[i] = angle.c * twisted - angle.s * x[i];
       x[i] = angle.c * x[i] + angle.s * twisted;
@@ -82,11 +105,11 @@ struct Axes {
 /** The arm's frames up to the wrist. */
 struct Walk {
   Axes wrist;
-  Vec3 shoulder, elbow, shaft;
+  Pairs<3> shoulder, elbow, shaft;
 };
 
 /** @param[in] constants the arm (0 gold, 1 green), d4 and lw [m]. */
-Walk walk(const double* constants, const JointArray& q) noexcept {
+Walk walk(const double* constants, const Pairs<kJointCount>& q) noexcept {
   const Chain& chain = kChains[constants[0] == 0.0 ? 0 : 1];
   Walk w{};
   Axes& a = w.wrist;
@@ -102,20 +125,20 @@ Walk walk(const double* constants, const JointArray& q) noexcept {
 }
 
 struct Tip {
-  Vec3 p, v;
+  Pairs<3> p, v;
 };
 
-Tip tipOf(const double* constants, const JointArray& q, const JointArray& dq) noexcept {
+Tip tipOf(const double* constants, const Pairs<kJointCount>& q, const Pairs<kJointCount>& dq) noexcept {
   const Walk w = walk(constants, q);
-  const double depth = q[2] + constants[1];
+  const Pair depth = q[2] + constants[1];
   Tip tip{};
-  Vec3 lever{};
+  Pairs<3> lever{};
   for (std::size_t i = 0; i < 3; ++i) {
     lever[i] = constants[2] * w.wrist.x[i];
     tip.p[i] = depth * w.shaft[i] + lever[i];
   }
-  const std::array<Vec3, 5> columns{cross(w.shoulder, tip.p), cross(w.elbow, tip.p), w.shaft, cross(w.shaft, tip.p),
-                                    cross(w.wrist.z, lever)};
+  const std::array<Pairs<3>, 5> columns{cross(w.shoulder, tip.p), cross(w.elbow, tip.p), w.shaft, cross(w.shaft, tip.p),
+                                        cross(w.wrist.z, lever)};
   for (std::size_t i = 0; i < 3; ++i) {
     tip.v[i] = columns[0][i] * dq[0];
     for (std::size_t j = 1; j < columns.size(); ++j)
@@ -124,10 +147,11 @@ Tip tipOf(const double* constants, const JointArray& q, const JointArray& dq) no
   return tip;
 }
 
-/** x y z w, as Eigen makes it of a rotation. */
-std::array<double, 4> quaternion(const Axes& a) noexcept {
-  const std::array<std::array<double, 3>, 3> m{
-      {{a.x[0], a.y[0], a.z[0]}, {a.x[1], a.y[1], a.z[1]}, {a.x[2], a.y[2], a.z[2]}}};
+/** x y z w of one of the two, as Eigen makes it of a rotation. */
+std::array<double, 4> quaternion(const Axes& axes, std::size_t one) noexcept {
+  std::array<std::array<double, 3>, 3> m{};
+  for (std::size_t i = 0; i < 3; ++i)
+    m[i] = {axes.x[i][one], axes.y[i][one], axes.z[i][one]};
   std::array<double, 4> q{};
   const double trace = (m[0][0] + m[1][1]) + m[2][2];
   if (trace > 0.0) {
@@ -156,6 +180,15 @@ class Results {
   void put(std::size_t column, std::size_t row, const std::array<double, kSize>& given) noexcept {
     for (std::size_t i = 0; i < kSize; ++i)
       values_[(column + i) * rows_ + row] = std::isfinite(given[i]) ? given[i] : 0.0;
+  }
+
+  /** One of the two. */
+  template <std::size_t kSize>
+  void put(std::size_t column, std::size_t row, const Pairs<kSize>& given, std::size_t one) noexcept {
+    std::array<double, kSize> values;
+    for (std::size_t i = 0; i < kSize; ++i)
+      values[i] = given[i][one];
+    put(column, row, values);
   }
 
  private:
@@ -233,21 +266,45 @@ void control(const Formula& f, const RecordView& records, Results out) noexcept 
   }
 }
 
-void tip(const Formula& f, const RecordView& records, Results out) noexcept {
-  for (std::size_t row = 0; row < records.count; ++row) {
-    const Tip tip = tipOf(f.numbers.data(), records.joints(f.columns[0], row), records.joints(f.columns[1], row));
-    out.put(0, row, tip.p);
-    out.put(3, row, tip.v);
+/** Joints of a record and of the one after it; of the last one twice. */
+Pairs<kJointCount> jointPairs(const RecordView& records, std::size_t column, std::size_t row) noexcept {
+  const JointArray first = records.joints(column, row);
+  const JointArray second = records.joints(column, std::min(row + 1, records.count - 1));
+  Pairs<kJointCount> pairs;
+  for (std::size_t j = 0; j < kJointCount; ++j)
+    pairs[j] = Pair{first[j], second[j]};
+  return pairs;
+}
+
+/** Calls `use` with each record and its place in its pair, after `compute` with the pair's first record. */
+template <typename Compute, typename Use>
+void forPairs(const RecordView& records, const Compute& compute, const Use& use) noexcept {
+  for (std::size_t row = 0; row < records.count; row += 2) {
+    const auto both = compute(row);
+    for (std::size_t one = 0; one < 2 && row + one < records.count; ++one)
+      use(both, row + one, one);
   }
 }
 
+void tip(const Formula& f, const RecordView& records, Results out) noexcept {
+  const auto tips = [&](std::size_t row) {
+    return tipOf(f.numbers.data(), jointPairs(records, f.columns[0], row), jointPairs(records, f.columns[1], row));
+  };
+  forPairs(records, tips, [&](const Tip& both, std::size_t row, std::size_t one) {
+    out.put(0, row, both.p, one);
+    out.put(3, row, both.v, one);
+  });
+}
+
 void orientation(const Formula& f, const RecordView& records, Results out) noexcept {
-  for (std::size_t row = 0; row < records.count; ++row) {
-    const JointArray q = records.joints(f.columns[0], row);
+  const auto tools = [&](std::size_t row) {
+    const Pairs<kJointCount> q = jointPairs(records, f.columns[0], row);
     Axes tool = walk(f.numbers.data(), q).wrist;
     tool.link({0.0, 1.0}, cosSin((q[6] - q[5]) / 2.0));
-    out.put(0, row, quaternion(tool));
-  }
+    return tool;
+  };
+  forPairs(records, tools,
+           [&](const Axes& both, std::size_t row, std::size_t one) { out.put(0, row, quaternion(both, one)); });
 }
 
 using Evaluate = void (*)(const Formula&, const RecordView&, Results);

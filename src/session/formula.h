@@ -86,4 +86,15 @@ std::int64_t cyclesBetween(std::int64_t before, std::int64_t now) noexcept;
 /** The formula's results, column by column; 0 in place of one that is not finite. Its columns must be in the record. */
 void evaluate(const Formula& formula, const RecordView& records, std::vector<double>* results);
 
+/** Calls `use` with each column that the formula gives, and its place among these. */
+template <typename Use>
+void forResults(const Formula& formula, const Use& use) {
+  std::size_t place = 0;
+  const auto& blocks = traitsOf(formula.kind)->blocks;
+  for (std::size_t b = 0; b < formula.columns.size(); ++b) {
+    for (std::size_t i = 0; blocks[b].is_result && i < blocks[b].width; ++i)
+      use(formula.columns[b] + i, place++);
+  }
+}
+
 }  // namespace raven2_trainer::session

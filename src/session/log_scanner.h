@@ -55,7 +55,7 @@ class LogScanner {
   bool at_end_{false};
   std::size_t frame_size_{0};  ///< [bytes] of the record given last, or of its chunk
   bool is_rejected_{false};    ///< they count as bad
-  std::uint64_t pending_{0};  ///< [bytes] skipped since a record that may only have been cut short
+  std::uint64_t pending_{0};   ///< [bytes] skipped since a record that may only have been cut short
   bool cut_short_{false};
   ChunkReader chunk_;
   std::uint64_t bad_bytes_{0}, truncated_bytes_{0};

@@ -16,63 +16,38 @@
 namespace raven2_trainer::session {
 namespace {
 
+constexpr std::size_t kMostRecords = 16384;
 constexpr int kLevel = 1;  // of zstd: 3 is 3.6 % smaller, for 0.8 us a tick (measured)
-constexpr std::array<std::uint8_t, 5> kForms{0x88, 8, 4, 2, 1};
 
-template <typename T>
-void append(std::vector<std::uint8_t>* bytes, T value) {
-  const auto* begin = reinterpret_cast<const std::uint8_t*>(&value);
-  bytes->insert(bytes->end(), begin, begin + sizeof(T));
-}
+/** Bytes one after the other. Their memory only grows, and is not set to zero again. */
+class Contents {
+ public:
+  void clear() noexcept { size_ = 0; }
+  const std::uint8_t* data() const noexcept { return bytes_.data(); }
+  std::size_t size() const noexcept { return size_; }
 
-/** Where a column is in its group's data: of its first plane, and from there to the next. */
-struct Place {
-  std::size_t plane, stride;
-};
-
-/** Form by form; of one form those of the highest order first, and all lowest bytes before the next ones. */
-std::vector<Place> placesOf(const std::vector<std::uint8_t>& forms,
-                            const std::vector<std::uint8_t>& orders,
-                            std::size_t rows) {
-  std::vector<Place> places(forms.size());
-  std::vector<std::size_t> columns;
-  std::size_t begin = 0;
-  for (const std::uint8_t form : kForms) {
-    columns.clear();
-    for (std::size_t c = 0; c < forms.size(); ++c) {
-      if (forms[c] == form) columns.push_back(c);
-    }
-    std::stable_sort(columns.begin(), columns.end(), [&](std::size_t a, std::size_t b) {
-      return ColumnCoding(orders[a]).order() > ColumnCoding(orders[b]).order();
-    });
-    for (std::size_t k = 0; k < columns.size(); ++k)
-      places[columns[k]] = {begin + k * rows, columns.size() * rows};
-    begin += columns.size() * ColumnForm(form).width() * rows;
+  /** @return where the next `size` bytes belong, until the next call. */
+  std::uint8_t* next(std::size_t size) {
+    if (bytes_.size() < size_ + size) bytes_.resize(std::max(size_ + size, kMaxChunkRecords));
+    size_ += size;
+    return bytes_.data() + (size_ - size);
   }
-  return places;
-}
+
+  template <typename T>
+  void append(T value) {
+    std::memcpy(next(sizeof(T)), &value, sizeof(T));
+  }
+
+  void append(const std::vector<std::uint8_t>& bytes) { std::copy(bytes.begin(), bytes.end(), next(bytes.size())); }
+
+ private:
+  std::vector<std::uint8_t> bytes_;
+  std::size_t size_{0};
+};
 
 /** Every kind of record but these says first in which physics tick it belongs. */
 bool beginsWithTick(const FrameHeader& header) noexcept {
   return header.length >= sizeof(Tick) && header.type != RecordType::kCounts && header.type != RecordType::kRecovery;
-}
-
-std::vector<std::size_t> offsetsOf(const std::vector<std::uint8_t>& forms) {
-  std::vector<std::size_t> offsets{0};
-  for (const std::uint8_t form : forms)
-    offsets.push_back(offsets.back() + ColumnForm(form).width());
-  return offsets;
-}
-
-/** Calls `use` with each column that the formula gives, and its place among these. */
-template <typename Use>
-void forResults(const Formula& formula, const Use& use) {
-  std::size_t place = 0;
-  const auto& blocks = traitsOf(formula.kind)->blocks;
-  for (std::size_t b = 0; b < formula.columns.size(); ++b) {
-    for (std::size_t i = 0; blocks[b].is_result && i < blocks[b].width; ++i)
-      use(formula.columns[b] + i, place++);
-  }
 }
 
 struct ZstdDelete {
@@ -101,6 +76,8 @@ struct ChunkPacker::Impl {
     Group group;
     group.like = header;
     group.forms = columnForms(header.type, header.length);
+    const auto one_each_tick = static_cast<std::size_t>(kMaxChunkTicks) * header.length;
+    group.rows.reserve(std::min(kMaxChunkRecords, one_each_tick));  // so that a late batch takes no memory
     groups.push_back(std::move(group));
     return groups.back();
   }
@@ -142,15 +119,15 @@ struct ChunkPacker::Impl {
 
   void writeContents() {
     contents.clear();
-    append(&contents, static_cast<std::uint32_t>(order.size()));
-    append(&contents, static_cast<std::uint32_t>(used.size()));
+    contents.append(static_cast<std::uint32_t>(order.size()));
+    contents.append(static_cast<std::uint32_t>(used.size()));
     for (const Group* group : used) {
-      append(&contents, static_cast<std::uint16_t>(group->like.type));
-      append(&contents, group->like.version);
-      append(&contents, static_cast<std::uint32_t>(group->count));
-      append(&contents, static_cast<std::uint32_t>(group->forms.size()));
+      contents.append(static_cast<std::uint16_t>(group->like.type));
+      contents.append(group->like.version);
+      contents.append(static_cast<std::uint32_t>(group->count));
+      contents.append(static_cast<std::uint32_t>(group->forms.size()));
     }
-    contents.insert(contents.end(), order.begin(), order.end());
+    contents.append(order);
     for (const Group* group : used)
       writeGroup(*group);
   }
@@ -176,29 +153,27 @@ struct ChunkPacker::Impl {
   }
 
   void writeGroup(const Group& group) {
-    const std::size_t rows = group.count;
     const std::vector<std::size_t> offsets = offsetsOf(group.forms);
     const std::vector<const double*> predicted = predict(group, offsets);
-    std::vector<std::uint8_t>& planes = coded;  // column by column
-    if (planes.size() < group.rows.size()) planes.resize(group.rows.size());
+    columns.clear();
+    choices.clear();
     orders.clear();
     for (std::size_t c = 0; c < group.forms.size(); ++c) {
-      orders.push_back(coder.encode(ColumnForm(group.forms[c]), group.rows.data() + offsets[c], group.like.length, rows,
-                                    predicted[c], planes.data() + offsets[c] * rows, rows));
+      columns.push_back(
+          {ColumnForm(group.forms[c]), group.rows.data() + offsets[c], group.like.length, group.count, predicted[c]});
+      choices.push_back(coder.choose(columns[c]));
+      orders.push_back(choices[c].code);
     }
-    contents.insert(contents.end(), group.forms.begin(), group.forms.end());
-    contents.insert(contents.end(), orders.begin(), orders.end());
-    contents.push_back(static_cast<std::uint8_t>(used_formulas.size()));
+    contents.append(group.forms);
+    contents.append(orders);
+    formula_bytes.assign(1, static_cast<std::uint8_t>(used_formulas.size()));
     for (const Formula& formula : used_formulas)
-      formula.append(&contents);
-    const std::size_t data = contents.size();
-    contents.resize(data + group.rows.size());
-    const std::vector<Place> places = placesOf(group.forms, orders, rows);
-    const std::uint8_t* plane = planes.data();
-    for (std::size_t c = 0; c < places.size(); ++c) {
-      for (std::size_t b = 0; b < ColumnForm(group.forms[c]).width(); ++b, plane += rows)
-        std::copy_n(plane, rows, contents.data() + data + places[c].plane + b * places[c].stride);
-    }
+      formula.append(&formula_bytes);
+    contents.append(formula_bytes);
+    std::uint8_t* data = contents.next(group.rows.size());
+    const std::vector<Place> places = placesOf(group.forms, orders, group.count);
+    for (std::size_t c = 0; c < places.size(); ++c)
+      coder.encode(columns[c], choices[c], data + places[c].plane, places[c].stride);
   }
 
   void writeChunk(std::vector<std::uint8_t>* chunks) {
@@ -237,9 +212,12 @@ struct ChunkPacker::Impl {
   std::optional<TickFormulas> formulas;
   std::vector<Formula> used_formulas;        // of the group that is written
   std::vector<std::vector<double>> results;  // of each
-  std::vector<std::uint8_t> order, contents, orders;
-  std::vector<std::uint8_t> coded, chunk;  // only grow
-  std::uint64_t first{0};                  // number of the first record
+  std::vector<std::uint8_t> order, orders, formula_bytes;
+  std::vector<ColumnView> columns;  // of the group that is written
+  std::vector<ColumnChoice> choices;
+  Contents contents;
+  std::vector<std::uint8_t> chunk;  // only grows
+  std::uint64_t first{0};           // number of the first record
   Tick first_tick{0}, last_tick{0};
   ColumnCoder coder;
 };
@@ -247,6 +225,9 @@ struct ChunkPacker::Impl {
 ChunkPacker::ChunkPacker(const std::optional<TickConstants>& constants) : impl_(std::make_unique<Impl>()) {
   if (!impl_->zstd) throw std::bad_alloc();
   if (constants) impl_->formulas.emplace(*constants);
+  // More than there are in a chunk of a session, again for late batches.
+  impl_->order.reserve(kMostRecords);
+  impl_->coder.reserve(kMostRecords);
 }
 
 ChunkPacker::~ChunkPacker() = default;

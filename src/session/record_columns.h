@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -48,5 +49,18 @@ class ColumnFormWriter {
 
 /** Forms of the numbers of a record of this type and length. Of one that this program does not write: single bytes. */
 std::vector<std::uint8_t> columnForms(RecordType type, std::size_t length);
+
+/** Where each number begins in a record. @return [bytes], and the record's length last. */
+std::vector<std::size_t> offsetsOf(const std::vector<std::uint8_t>& forms);
+
+/** Where a column is in its group's data: of its first plane, and from there to the next. */
+struct Place {
+  std::size_t plane, stride;
+};
+
+/** Form by form; of one form those of the highest order first, and all lowest bytes before the next ones. */
+std::vector<Place> placesOf(const std::vector<std::uint8_t>& forms,
+                            const std::vector<std::uint8_t>& orders,
+                            std::size_t rows);
 
 }  // namespace raven2_trainer::session

@@ -1,4 +1,5 @@
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <zstd.h>
 
@@ -14,6 +15,7 @@
 #include "session/formula.h"
 #include "session/record_chunk.h"
 #include "support/moving_ticks.h"
+#include "support/sanitizer.h"
 #include "unit/session/log_file.h"
 #include "unit/session/record_values.h"
 
@@ -257,6 +259,30 @@ TEST(LogFormulas, MakeALogOfMovingArmsTwoFifthsSmallerAndChangeNoBit) {
     expected.push_back(valuesOf(ticks.next()));
   EXPECT_EQ(valuesIn(with), expected);
   EXPECT_EQ(valuesIn(without), expected);
+}
+
+/** [bytes] that the program holds now. */
+std::size_t memoryHeld() {
+  const struct mallinfo2 info = mallinfo2();
+  return info.uordblks + info.hblkhd;
+}
+
+TEST(LogFormulas, ALogTakesNoMoreMemoryWhenBatchesBecomeLonger) {
+  if (raven2_trainer::testing::kIsSanitized) GTEST_SKIP() << "its allocator tells nothing";
+  LogWriter log(scratchPath("flat.rlog"), LogHeader{}, tickConstants());
+  log.reserve(2U << 20U);
+  MovingTicks ticks(tickConstants());
+  std::size_t after_first = 0;
+  for (const int length : {50, 100, 300, 500}) {
+    for (int i = 0; i < length; ++i) {
+      log.write(ticks.next());
+      log.write(HapticRecord{});
+      log.write(CommandRecord{});
+    }
+    ASSERT_TRUE(log.commit());
+    if (after_first == 0) after_first = memoryHeld();
+  }
+  EXPECT_EQ(memoryHeld(), after_first);
 }
 
 TEST(LogFormulas, ChangeNoBitOfAnyTicks) {

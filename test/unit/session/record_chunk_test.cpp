@@ -34,8 +34,12 @@ Bytes bytesOf(const std::vector<T>& values) {
 template <typename T>
 Coded encode(ColumnForm form, const std::vector<T>& values) {
   Coded coded{0, Bytes(values.size() * sizeof(T))};
-  coded.order =
-      ColumnCoder().encode(form, bytesOf(values).data(), sizeof(T), values.size(), nullptr, coded.planes.data(), values.size());
+  const Bytes bytes = bytesOf(values);
+  const ColumnView column{form, bytes.data(), sizeof(T), values.size(), nullptr};
+  ColumnCoder coder;
+  const ColumnChoice choice = coder.choose(column);
+  coder.encode(column, choice, coded.planes.data(), values.size());
+  coded.order = choice.code;
   return coded;
 }
 
