@@ -9,6 +9,7 @@ import os
 import pathlib
 import secrets
 import sys
+import threading
 import time
 from urllib.parse import urlsplit
 
@@ -55,6 +56,7 @@ class Access:
         self._hash, self._file = password_hash, file and pathlib.Path(file)
         self._logins = self._read()
         self._wrong = []
+        self._checks = threading.Lock()
 
     @property
     def needs_password(self):
@@ -83,15 +85,16 @@ class Access:
             print(f"{self._file}: cannot be written: {error.strerror}; after a restart, log in again", file=sys.stderr)
 
     def check_password(self, password):
-        """@return "" or a sentence that says why not."""
-        now = time.monotonic()
-        self._wrong = [t for t in self._wrong if now - t < TRIES_IN]
-        if len(self._wrong) >= TRIES:
-            return "Too many wrong passwords: wait a minute."
-        if fits(password, self._hash):
-            return ""
-        self._wrong.append(now)
-        return "Wrong password."
+        """One at a time: tries at the same moment count, too. @return "" or a sentence that says why not."""
+        with self._checks:
+            now = time.monotonic()
+            self._wrong = [t for t in self._wrong if now - t < TRIES_IN]
+            if len(self._wrong) >= TRIES:
+                return "Too many wrong passwords: wait a minute."
+            if fits(password, self._hash):
+                return ""
+            self._wrong.append(now)
+            return "Wrong password."
 
     def login(self):
         """@return the cookie's value."""

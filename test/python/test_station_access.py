@@ -1,5 +1,6 @@
 """Tests logins, passwords and the addresses that may use the station."""
 
+import concurrent.futures
 import pathlib
 import sys
 
@@ -66,3 +67,11 @@ def test_origins_and_names():
     for host in ("evil.example:8080", "127.0.0.1.evil.example", ""):
         assert not access.is_local_name(host)
     assert access.is_loopback("127.0.0.5") and not access.is_loopback("0.0.0.0")
+
+
+def test_wrong_passwords_at_the_same_time_count_too(monkeypatch):
+    door, tried = access.Access("x"), []
+    monkeypatch.setattr(access, "fits", lambda *_: tried.append(1) or access.time.sleep(0.05))
+    with concurrent.futures.ThreadPoolExecutor(20) as pool:
+        list(pool.map(door.check_password, ["wrong"] * 20))
+    assert len(tried) == access.TRIES
