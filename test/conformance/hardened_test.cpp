@@ -215,5 +215,25 @@ TEST(Hardened, APacketBehindLostOnesIsUsedAndItsNumberReported) {
   }
 }
 
+TEST(Hardened, ASecondMasterIsHeardOnceTheFirstIsSilentWhateverTheDaemonTakes) {
+  for (const bool daemon_is_hardened : {true, false}) {
+    VirtualRavenConfig config = hardened();
+    config.itp.hardened = daemon_is_hardened;  // `ingest` of network.yaml is the daemon's
+    Robot robot(config);
+    introduceAndEngage(&robot);  // from source 0
+    const auto isUsedFrom = [&](std::uint64_t source) {
+      const std::uint64_t before = robot.software.state().itp.applied;
+      const wire::ItpBytes bytes = wire::encodeItp(robot.packet(0));
+      robot.software.receive(bytes.data(), bytes.size(), source);
+      robot.cycle();
+      return robot.software.state().itp.applied > before;
+    };
+    EXPECT_FALSE(isUsedFrom(99)) << "two masters at once";
+    robot.cycles(600);
+    EXPECT_TRUE(isUsedFrom(99)) << "half a second later the first one may be replaced";
+    EXPECT_FALSE(isUsedFrom(0)) << "the first one came back too late";
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::conformance

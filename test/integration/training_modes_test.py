@@ -18,6 +18,7 @@ from pedal_stops import PEDAL_DN, PEDAL_UP, newest_session
 from planning_clients import Console, Newest, until
 from robot_frames import connect
 from sensor_msgs.msg import Image, Joy
+from std_srvs.srv import SetBool
 from training_clients import Trainer
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "scripts"))
@@ -135,6 +136,8 @@ class TrainingModes(unittest.TestCase):
         self.assertIn("returning", [m.mode for m in self.trainer.modes.messages])
         self.assertEqual({s.runlevel for s in self.robot.states[first:]}, {PEDAL_UP}, "the robot was engaged")
         self.assertEqual(call("gold/tool_change"), "accepted")
+        for is_on in (False, True):
+            self.assertTrue(rospy.ServiceProxy("green/set_collisions", SetBool)(is_on).success)
         self.assertEqual(call("begin_trial"), "accepted")
         self.assertEqual(call("discard_trial"), "accepted")
         self.trainer.await_mode("pedal_up")
@@ -301,6 +304,10 @@ class TrainingModes(unittest.TestCase):
         kinds = log.names("request", "request.kind")
         asked = [kinds[r["request"]["kind"]] for r in log.requests if r["request"]["id"] == 0]
         self.assertEqual(asked.count("tool_change"), 1, "the pedal's")
+        arms = log.names("request", "request.arm")
+        switched = [(arms[r["request"]["arm"]], bool(r["request"]["enabled"])) for r in log.requests
+                    if kinds[r["request"]["kind"]] == "set_collisions"]
+        self.assertEqual(switched, [("green", False), ("green", True)])
 
 
 if __name__ == "__main__":

@@ -497,3 +497,17 @@ def test_other_formats_are_refused_and_folders_that_are_no_session(tmp_path, dir
     done = subprocess.run([made.ROOT / "scripts" / "export_dataset", tmp_path], capture_output=True, text=True,
                           check=False)
     assert done.returncode == 1 and done.stderr.count("\n") == 1 and "no session" in done.stderr
+
+
+@built
+def test_the_frames_of_the_robot_are_where_the_robot_is(bag, told, log):
+    rows = log.ticks[np.isin(log.ticks["model"]["tick"], told[::3]["tick"])]
+    apart = 0.0
+    for (message, _), row in zip(bag["/tf"], rows, strict=True):
+        frames_of = {t.child_frame_id: t.transform.translation for t in message.transforms}
+        for arm, side in enumerate("LR"):
+            to, tip = frames_of.get(f"robot/grasper1_{side}"), row["robot"]["arms"][arm]["p_BT"]
+            if to is not None:
+                assert [to.x, to.y, to.z] == pytest.approx(R_WB[arm] @ tip + P_WB[arm], abs=1e-6)
+                apart = max(apart, np.linalg.norm(tip - row["model"]["arms"][arm]["p_BT"]))
+    assert apart > 0.005, "the jump parts them"

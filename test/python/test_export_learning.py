@@ -496,6 +496,8 @@ def test_a_lerobot_data_set_describes_its_episodes(lerobot, tmp_path):
         columns = json.loads((out / info["data_path"].format(episode_chunk=0, episode_index=number)).read_text())
         assert columns["index"] == list(range(first, first + length)) and columns["episode_index"] == [number] * length
         assert columns["next.done"] == [False] * (length - 1) + [True] and columns["next.reward"][-1] == float(success)
+        assert columns["next.success"] == [False] * (length - 1) + [success]
+        assert columns["task_index"] == [0 if number % 2 else 1] * length
         assert columns["timestamp"] == pytest.approx(np.arange(length) / FPS, abs=1e-6)
         action, found = parts[number].columns()["action"], stats[number]["stats"]["action"]
         for name, of in (("min", np.min), ("max", np.max), ("mean", np.mean), ("std", np.std)):
@@ -701,3 +703,18 @@ def wait_for(condition, seconds=60):
     while not condition():
         assert time.monotonic() < until, condition
         time.sleep(0.02)
+
+
+def test_robot_objects_and_pedal_are_those_of_the_frames_ticks(data, sessions):
+    demo, ticks = data[0]["demo_1"], raven2_session.Session(sessions["failure"]).log.ticks
+    ticks = ticks[ticks["model"]["session_tick"] >= 0]
+    wanted = np.floor(np.arange(demo.attrs["num_samples"]) * 1000 / FPS + 1e-6)
+    shown = ticks[np.searchsorted(ticks["model"]["session_tick"], wanted, side="right") - 1]
+    arms, bodies, state = shown["robot"]["arms"], shown["model"]["bodies"], demo["obs/state"][:]
+    np.testing.assert_allclose(state[:, :14], arms["q"].reshape(-1, 14), atol=1e-6)
+    for arm in (0, 1):
+        np.testing.assert_allclose(state[:, 14 + 3 * arm:17 + 3 * arm], arms["p_BT"][:, arm] @ R_WB[arm].T + P_WB[arm], atol=1e-6)
+    assert np.abs(state - demo["obs/model_state"][:]).max() > 0.005, "the hazard moves the robot alone"
+    poses = np.concatenate([bodies["p"], bodies["q"]], axis=2).reshape(len(shown), -1)
+    np.testing.assert_allclose(demo["obs/objects"][:], poses, atol=1e-6)
+    assert demo["obs/pedal"][:, 0].tolist() == (shown["model"]["pedal"] != 0).astype(float).tolist()

@@ -54,6 +54,7 @@ for seed in range(20):
     while not over:
         observation, reward, terminated, truncated, info = env.step(np.clip(observation[6:] / 0.002, -1, 1).astype(np.float32))
         over = terminated or truncated
+        assert abs(reward - (info["is_success"] - info["distance"] / raven2_trainer.gym.REACH)) < 1e-9, reward
     successes += info["is_success"]
 assert successes == 20, successes
 for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3)), ["0.1", "0", "0"], [None, 0, 0], [np.nan, 0, 0], [0, np.inf, 0], [1j, 0, 0]):
@@ -154,6 +155,12 @@ env.close()
 # Without a robot there is no hazard of the robot.
 assert "has no exercise" in refused("Reach", hazard="own")
 assert "sudden_jump acts on the robot" in refused("PickRing", hazard="sudden_jump", robot="none")
+env = gymnasium.make("raven2_trainer/PickRing-v0")
+env.reset(seed=1)
+env.unwrapped._done_before = 3  # of an episode that came so far
+env.reset(seed=1)
+assert env.step(np.zeros(7, np.float32))[1] == 0.0
+env.close()
 print("all good")
 """
 

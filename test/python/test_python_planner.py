@@ -23,6 +23,8 @@ def test_kinematics_agree_with_themselves_and_the_state(ready):
     assert joints.shape == (20, 8, 7) and valid.any(axis=1).all() and np.isnan(joints[~valid]).all()
     again, _ = kinematics.forward("green", joints[valid])
     assert again == pytest.approx(np.repeat(p, valid.sum(axis=1), axis=0), abs=1e-5)
+    opened, found = kinematics.inverse("green", p, R, 0.6)
+    assert found.any() and np.allclose(opened[found][:, 5:].sum(axis=1), 0.6)
     J = kinematics.jacobian("green", q)
     step = 1e-6
     for joint in range(5):
@@ -114,7 +116,7 @@ def test_a_path_is_followed_as_the_plan_says(planner, home):
     assert np.array_equal(again["waypoints"], plan["waypoints"]), "roll_out() leaves nothing behind"
 
 
-def test_a_path_into_the_other_arm_touches_it(planner, home):
+def test_a_path_into_an_obstacle_touches_it(planner, home):
     across = home[0] + np.array([[angle, 0, 0, 0, 0, 0, 0] for angle in np.linspace(0, 0.4, 17)])
     distances = planner.clearance("gold", across, home[1])
     assert distances[-1] == 0 and planner.in_collision("gold", across[-1], home[1])
@@ -174,3 +176,12 @@ def test_joints_far_outside_any_robot_are_refused(planner, home):
 def test_a_place_of_other_kinds_is_refused(kind):
     with pytest.raises(ValueError, match="p, R"):
         raven2_trainer.Kinematics().inverse("gold", np.ones(3).astype(kind), np.eye(3))
+
+
+def test_the_other_arm_is_where_the_caller_says(planner, home):
+    """Both arms lean to the same side: green is in gold's way there, and not at its home."""
+    gold, green = (joints + [lean, -0.4, 0, 0, 0, 0, 0] for joints, lean in zip(home, (0.1, 0.0)))
+    assert planner.clearance("gold", gold, green) == 0 and planner.in_collision("gold", gold, green)
+    assert planner.clearance("gold", gold, home[1]) > 0.01 and not planner.in_collision("gold", gold, home[1])
+    assert planner.plan("gold", home[0], gold, other=green)["status"] == "goal_in_collision"
+    assert planner.plan("gold", home[0], gold, other=home[1])["status"] == "success"

@@ -217,3 +217,21 @@ def test_a_view_outlives_its_simulation():
     last = joints.copy()
     del simulation
     assert np.array_equal(joints, last)
+
+
+def test_velocities_and_rotations_are_those_of_each_arms_joints(ready):
+    ready.step({"gold": {"move": [0, 0, 0.01], "turn": [0, 0, 0.2]}, "green": {"move": [0.005, 0, 0], "turn": [0.1, 0, 0]}}, ticks=200)
+    state, kinematics, axes = ready.state, raven2_trainer.Kinematics(), np.eye(3)
+    for i, arm in enumerate(("gold", "green")):
+        v, w = state.tip_rotations[i, :3], state.tip_rotations[i, 3]
+        turned = (axes + 2 * np.cross(v, np.cross(v, axes) + w * axes)).T
+        assert turned == pytest.approx(kinematics.forward(arm, state.joints[i])[1], abs=1e-9)
+        velocity = kinematics.jacobian(arm, state.joints[i])[:3] @ state.joint_rates[i]
+        assert state.tip_velocities[i] == pytest.approx(velocity, abs=1e-9) and np.linalg.norm(velocity) > 0.005
+
+
+def test_the_true_joints_are_those_of_each_arm(ready):
+    ready.step({"gold": {"move": [0, 0, 0.02]}}, ticks=800)
+    ready.step(ticks=300)
+    true, reported = (np.diff(joints[:, 2])[0] for joints in (ready.state.true_joints, ready.state.robot_joints))
+    assert abs(reported) > 6e-3 and true == pytest.approx(reported, abs=3e-3), "the insertions differ"

@@ -848,3 +848,12 @@ def test_the_first_screen_says_how_long_the_attempt_itself_was():
     facts = SimpleNamespace(attempt=attempt, attempts=[attempt] * 3, attempt_span=lambda: (30.0, 155.5))
     assert scorecard._attempt_line(facts) == (
         "Attempt 2 of 3, 2 min 05 s long, 75 % of the judged metrics passed (to pass, all have to)")
+
+
+@pytest.mark.parametrize("better, zone", [("lower", (90.0, 60.0)), ("higher", (30.0, 60.0))])
+def test_a_curve_is_shaded_on_the_side_that_passes(better, zone):
+    """The limit is in the middle of the axis, which is 120 high from 30 on."""
+    points = [curves.Point("", "done", True, {"time": value}) for value in (1.0, 4.0)]
+    drawn = curves._small("time", made.metric(4.0, 2.0, 0.5, 2.5, "s", better), points)
+    (y, height), = re.findall(r'<rect x="[\d.]+" y="([\d.]+)" width="[\d.]+" height="([\d.]+)" fill="#d9dee4"', drawn)
+    assert (float(y), float(height)) == pytest.approx(zone, abs=0.11)

@@ -633,3 +633,12 @@ def test_it_prints(tmp_path, whole):
     browse(page, 1280, f"--print-to-pdf={paper}")
     content = paper.read_bytes()
     assert content.startswith(b"%PDF") and 2 <= len(re.findall(rb"/Type\s*/Page\b", content)) <= 12
+
+
+def test_a_score_that_is_there_stays(tmp_path, monkeypatch):
+    program = tmp_path / "elsewhere/devel/lib/raven2_trainer/score_session"
+    program.parent.mkdir(parents=True)
+    program.write_text("#!/bin/sh\necho 'scored again' >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setenv("RAVEN2_TRAINER_BUILD", str(tmp_path / "elsewhere"))
+    assert "scored again" not in report(made.make(tmp_path / "s", made.score()))[2]

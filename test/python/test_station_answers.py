@@ -399,3 +399,24 @@ def test_what_was_refused_is_on_diagnostics_by_reason(known):
     station.tick(time.monotonic())
     status = next(message for message in sent if message["t"] == "status")
     assert status["values"] == {"pages": 1, "refused": 3, "refused_foreign_origin": 2, "refused_hands_of_a_page_that_does_not_drive": 1}
+
+
+@pytest.mark.parametrize("is_foreign", [False, True])
+@pytest.mark.parametrize("what", ["delete", "report", "video", "replay"])
+def test_nothing_is_done_to_a_session_that_is_recorded_now(known, tmp_path, what, is_foreign):
+    station = station_module.Station(known, Sessions(tmp_path))
+    station.supervisor = types.SimpleNamespace(phase="idle" if is_foreign else "running", ended_at=0.0,
+                                               state=lambda: {"session": None if is_foreign else "s1"})
+    if is_foreign:
+        station._daemon_heard = time.monotonic()
+        station.newest["session"] = {"directory": f"{tmp_path}/s1/"}
+    assert asyncio.run(station.do(what, {"session": "s1", "sure": True})) == (False, "this session is running", {})
+    assert station.records.called == []
+
+
+def test_a_session_whose_report_is_being_written_is_not_deleted(known, tmp_path):
+    station = station_module.Station(known, Sessions(tmp_path))
+    station.supervisor = types.SimpleNamespace(phase="idle", ended_at=0.0, state=lambda: {"session": None})
+    station.finisher = types.SimpleNamespace(is_busy=lambda name: name == "s1")
+    done, text, _ = asyncio.run(station.do("delete", {"session": "s1", "sure": True}))
+    assert not done and "being written" in text and station.records.called == []

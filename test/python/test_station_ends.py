@@ -139,3 +139,19 @@ def test_a_killed_ros_master_starts_again_on_its_port(tmp_path):
         status = process.wait(20)
     assert survivors([int(pid) for pid, *_ in masters + stations]) == [] and status == 0
     assert [master[1:] for master in masters] == [["--core", "-p", "12345"]] * 2 and len(stations) == 1
+
+
+def test_a_password_file_that_others_can_read_is_refused(tmp_path):
+    text = (ROOT / "scripts/raven2_station/station").read_text()
+    module = types.ModuleType("entry")
+    module.__file__ = str(ROOT / "scripts/raven2_station/station")
+    exec(compile(text.split("if __name__")[0], module.__file__, "exec"), module.__dict__)  # noqa: S102
+    file = tmp_path / "password"
+    file.write_text("scrypt$a$b\n")
+    options = module.parse(["--bind", "0.0.0.0", "--password-file", str(file)])
+    for mode in (0o640, 0o604, 0o660):
+        file.chmod(mode)
+        with pytest.raises(SystemExit, match="chmod 600"):
+            module.password_hash(options)
+    file.chmod(0o600)
+    assert module.password_hash(options) == "scrypt$a$b"

@@ -197,3 +197,13 @@ def test_hands_that_the_instructor_took_stay_away_from_the_page_after_a_kill(tmp
     (tmp_path / "station_logs").write_text("no folder")
     away.set(True)  # a disk that takes nothing
     assert away.is_on
+
+
+def test_rotations_are_cut_at_their_speed_and_late_ones_at_a_tenth_of_a_second():
+    device = hands.Hands()
+    device.apply(motion(), 10.0)
+    device.apply(motion(turn=(0, 0, 3.0)), 10.01)
+    assert 2 * math.asin(device.arms["gold"].orientation[2]) == pytest.approx(hands.TURN_SPEED * 0.01)
+    for i in range(30):
+        device.apply(motion(), 10.03 + 0.02 * i)
+    assert 2 * math.asin(device.arms["gold"].orientation[2]) == pytest.approx(hands.TURN_SPEED * hands.LONGEST)

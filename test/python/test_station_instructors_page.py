@@ -154,3 +154,32 @@ def test_work_on_a_listed_session_says_its_end_and_its_percents_hide_no_other_te
       hear({{ t: "progress", session: "s2", what: "{what}", share: {json.dumps(share)}, text: "no space left" }});
       console.log(JSON.stringify(element("said").textContent));""")
     assert found == (shown or said)
+
+
+def test_strips_have_each_arms_distance_in_millimetres_and_its_force(known):
+    found = run_instructors_page(known, """
+      hear({ t: "strips", apart: { gold: 0.002, green: 0.0035 }, force: { gold: 0.5, green: 1.5 } });
+      hear({ t: "strips", apart: { gold: null, green: 0 }, force: { gold: 0, green: 0 } });
+      console.log(JSON.stringify([...strips.apart.samples, ...strips.force.samples].map(([, values]) => values)));""")
+    assert found == [{"gold": 2, "green": 3.5}, {"gold": None, "green": 0}, {"gold": 0.5, "green": 1.5}, {"gold": 0, "green": 0}]
+
+
+@pytest.mark.parametrize("when, says", [("own", "It comes by itself."), ("instructor", "It comes when you press Inject now.")])
+def test_the_page_says_how_the_chosen_hazard_comes(known, when, says):
+    running = {**GOOD, "hazard": "sudden_jump", "when": when, "curriculum": ""}
+    found = run_instructors_page(known, f"""
+      hear({{ ...idle, phase: "running", choice: {json.dumps(running)} }});
+      console.log(JSON.stringify(element("armed").textContent));""")
+    assert found == f'{next(h["title"] for h in known.hazards if h["name"] == "sudden_jump")}. {says}'
+
+
+def test_a_history_is_in_percent_and_seconds(known):
+    attempt = {"start": "", "exercise": "track_wire", "hazards": ["sudden_jump"], "drill": "sudden_jump", "driver": "clumsy:dropper",
+               "passed": False, "time": 61.5, "score": 0.75, "response": 1.5}
+    found = run_instructors_page(known, f"""
+      element("curve").getContext = () => new Proxy({{}}, {{ get: () => () => ({{}}), set: () => true }});
+      asked.length = 0; element("history-trainee").value = "ann"; element("history-trainee").fire("change");
+      await answers(asked.find((a) => a.do === "sessions").id, {{ trainees: ["ann"], sessions: [] }});
+      await answers(asked.find((a) => a.do === "history").id, {{ attempts: [{json.dumps(attempt)}] }});
+      console.log(JSON.stringify(element("history-table").children[1].children.map((cell) => cell.textContent)));""")
+    assert found == ["", "track wire", "sudden jump", "demonstration: surgeon who drops things", "not passed", "75.0 %", "61.5 s", "1.5 s"]

@@ -200,3 +200,18 @@ def test_a_simulated_surgeon_who_has_finished_is_no_trouble_but_a_crash_is(known
         return made.trouble
 
     assert bool(asyncio.run(asyncio.wait_for(session(), 30))) == crash
+
+
+def test_the_next_attempt_has_other_random_numbers(known, tmp_path):
+    made, seeds = supervised(tmp_path, known, PROGRAM), []
+
+    async def begin(choice):
+        seeds.append(choice.seed)
+
+    async def attempts():
+        await made.start({"driver": "scripted", "seed": 7})
+        await made.next()
+
+    made._start, made._watch = begin, lambda: None
+    asyncio.run(attempts())
+    assert seeds[0] == 7 and len(seeds) == 2 and seeds[1] != 7

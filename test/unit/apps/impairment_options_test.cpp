@@ -3,8 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <fstream>
+#include <nlohmann/json.hpp>
 
+#include "apps/common/impairment_report.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "support/scratch_path.h"
 
 namespace raven2_trainer::apps {
 namespace {
@@ -104,6 +108,44 @@ TEST(ImpairmentOptions, EachDirectionHasItsOwnProfile) {
   const auto link = parsed("--tcp 1:h:2 --profile net_delay_1 --back-profile net_loss_10").links[0];
   EXPECT_EQ(link.forward.name, "net_delay_1");
   EXPECT_EQ(link.back.name, "net_loss_10");
+}
+
+TEST(ImpairmentReport, EachFigureHasItsOwnName) {
+  proxy::ProxyReport report;
+  report.link = "udp 1";
+  report.direction = "back";
+  impair::ChannelCounts& c = report.counts;
+  const std::vector<std::pair<const char*, std::uint64_t*>> figures{{"in", &c.in},
+                                                                    {"forwarded", &c.forwarded},
+                                                                    {"held", &c.held},
+                                                                    {"doubled", &c.doubled},
+                                                                    {"duplicates", &c.duplicates},
+                                                                    {"held_copies", &c.held_copies},
+                                                                    {"reordered", &c.reordered},
+                                                                    {"truncated", &c.truncated},
+                                                                    {"corrupted", &c.corrupted},
+                                                                    {"stalled", &c.stalled},
+                                                                    {"unsent", &report.unsent},
+                                                                    {"connections", &report.connections}};
+  std::uint64_t n = 100;
+  for (const auto& figure : figures)
+    *figure.second = ++n;
+  for (std::size_t i = 1; i < impair::kLossCount; ++i)
+    c.dropped[i] = i;
+  const std::string path = raven2_trainer::testing::scratchPath("impair.json");
+  writeReports(path, parsed("--udp 1:h:2 --seed 9 --profile net_delay_1 --back-profile net_loss_10"), {report});
+  std::ifstream file(path);
+  const nlohmann::json json = nlohmann::json::parse(file);
+  EXPECT_EQ(json["seed"], 9);
+  EXPECT_EQ(json["profile"], "net_delay_1");
+  EXPECT_EQ(json["back_profile"], "net_loss_10");
+  const nlohmann::json& link = json["links"][0];
+  EXPECT_EQ(link["link"], "udp 1");
+  EXPECT_EQ(link["direction"], "back");
+  for (const auto& figure : figures)
+    EXPECT_EQ(link[figure.first], *figure.second) << figure.first;
+  for (std::size_t i = 1; i < impair::kLossCount; ++i)
+    EXPECT_EQ(link["dropped"][impair::kLossNames[i]], i);
 }
 
 }  // namespace

@@ -326,5 +326,12 @@ TEST(ConfigurationFor, IsTheCampaignsWithNothingElseArmed) {
   }
 }
 
+TEST(ConfigurationFor, HasThePlantOfTheCampaign) {
+  Campaign campaign = everyClock();
+  campaign.plant = "worn_tool";
+  const TrainerConfig made = configurationFor(campaign, raven2_trainer::testing::packagedConfig());
+  EXPECT_EQ(made.virtual_raven.plant_name, "worn_tool");
+}
+
 }  // namespace
 }  // namespace raven2_trainer::campaign

@@ -981,5 +981,35 @@ TEST(RealHands, TheSumOfTheIncrementsIsTheScaledMotion) {
     EXPECT_NEAR(static_cast<double>(sum[k]), 1e5 * (p[k] - start[k]), 0.51);
 }
 
+TEST(DeviceSurgeon, ThePedalIsTheButtonOfTheFileOnEitherDevice) {
+  for (const Arm arm : kArms) {
+    for (const int button : {0, 3, 31}) {
+      MasterConfig config = testMaster();
+      config.pedal_from = arm == Arm::kGold ? PedalFrom::kLeft : PedalFrom::kRight;
+      config.pedal_button = button;
+      DeviceBench bench(config);
+      bench.warmUp();
+      at(bench.samples, arm).buttons = ~(1U << static_cast<unsigned>(button));
+      EXPECT_FALSE(bench.tick().pedal) << name(arm) << " " << button;
+      at(bench.samples, arm).buttons = 1U << static_cast<unsigned>(button);
+      EXPECT_TRUE(bench.tick().pedal) << name(arm) << " " << button;
+    }
+  }
+}
+
+TEST(DeviceSurgeon, AllNeedsEachDeviceThatIsThere) {
+  for (const Arm arm : kArms) {
+    for (const bool other_is_used : {true, false}) {
+      MasterConfig config = testMaster();
+      config.pedal_from = PedalFrom::kAll;
+      at(config.devices, otherArm(arm)).is_used = other_is_used;
+      DeviceBench bench(config);
+      bench.warmUp();
+      at(bench.samples, arm).buttons = 1;
+      EXPECT_EQ(bench.tick().pedal, !other_is_used) << name(arm);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::console

@@ -462,9 +462,9 @@ TEST_F(RenderLoopTest, TheEyesOfAPairAreCountedAndOfTheSameSize) {
 
 /** The renderer runs on a thread of the daemon: an exception that leaves it would end the process. */
 TEST_F(RenderLoopTest, AnyExceptionEndsThePicturesAloneAndIsTold) {
-  const std::vector<std::function<void()>> failures{[] { throw std::bad_alloc(); },
-                                                    [] { throw std::runtime_error("of the subscriber to the pictures"); },
-                                                    [] { throw RenderException("ours"); }};
+  const std::vector<std::function<void()>> failures{
+      [] { throw std::bad_alloc(); }, [] { throw std::runtime_error("of the subscriber to the pictures"); },
+      [] { throw RenderException("ours"); }};
   for (const auto& fail : failures) {
     shared_->live_picture.store({});
     std::uint64_t shown = 0;
@@ -533,9 +533,20 @@ TEST_F(RenderLoopTest, TheRecordedPictureIsTheLiveOne) {
   ASSERT_EQ(frames.size(), 1U);
   render::Renderer renderer(config_.render.live_width, config_.render.live_height);
   render::SceneBuilder builder(raven_, scene_, render::SceneOptions(config_, config_.render.live_overlays), &renderer);
-  const model::Camera camera = model::makeCamera(model::requireCamera(config_.render.cameras, config_.render.live_camera),
-                                                 config_.render.live_width, config_.render.live_height);
+  const model::Camera camera =
+      model::makeCamera(model::requireCamera(config_.render.cameras, config_.render.live_camera),
+                        config_.render.live_width, config_.render.live_height);
   EXPECT_EQ(renderer.draw(builder.build(frames[0]), camera), live);
+}
+
+TEST_F(RenderLoopTest, TheCameraIsSilentOnceItsNewestPictureIsOlderThanConfigured) {
+  state_.view = 1;
+  for (const double share : {0.9, 1.1}) {
+    const double age_ns = share * config_.render.real_stale_after * 1e9;
+    shared_->real_picture_ns.store(now_ns_ - static_cast<std::int64_t>(age_ns));
+    frame();
+    EXPECT_EQ(is_view_, share > 1.0) << share;
+  }
 }
 
 }  // namespace

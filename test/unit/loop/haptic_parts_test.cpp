@@ -460,5 +460,19 @@ TEST_F(HapticParts, APathOfTheGreenArmGuidesItByItsOwnTip) {
   EXPECT_EQ(state.guidance_B[0], Vec3{});
 }
 
+TEST_F(HapticParts, AFaultOfTheConsoleGivesNoForceWithoutALink) {
+  model.faults.console = 1;
+  model.faults.force_gain = {1.0, 1.0};
+  model.faults.force_offset_B = {Vec3{0.0, 0.5, 0.0}, Vec3{0.5, 0.0, 0.0}};
+  ASSERT_GT(toEigen(ticks(200).force_B[0]).norm(), 0.4);
+  for (const bool is_gone : {true, false}) {
+    robot.connected = is_gone ? 0 : 1;
+    model.linked = is_gone ? 1 : 0;
+    const HapticState state = ticks(200);
+    for (const Arm arm : kArms)
+      EXPECT_EQ(at(state.force_B, arm), Vec3{}) << name(arm) << " " << is_gone;
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

@@ -1095,5 +1095,44 @@ TEST_F(LoopBench, WhatIsExecutedIsGivenUpWhereTheRobotDoesNotTakeThePedal) {
   }
 }
 
+TEST_F(LoopBench, ARobotThatDoesNotSettleIsWaitedForAsLongAsTheFileSays) {
+  for (const bool is_trial : {false, true}) {
+    std::array<int, 2> ticks{};
+    for (std::size_t i = 0; i < ticks.size(); ++i) {
+      config.execution.settle_time = i == 0 ? 0.3 : 0.8;
+      begin();
+      if (is_trial) {
+        trial(pressed(), 5);
+        beginRepeat();
+      } else {
+        plan();
+        ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
+        press(1);
+      }
+      robot.arms[0].v_BT = {0.0, 2.0 * config.execution.settle_speed, 0.0};
+      for (; ticks[i] < 6000 && mode() == Mode::kExecuting; ++ticks[i])
+        press(1);
+      EXPECT_EQ(shared->last_execution.load().end, ExecutionEnd::kNotSettled) << is_trial;
+    }
+    EXPECT_NEAR(ticks[1] - ticks[0], 500, 2) << is_trial;
+  }
+}
+
+TEST_F(LoopBench, ChangesOfFaultsForWhichThereWasNoRoomAreCountedOnce) {
+  press(3);
+  Fault blinking = byHand(FaultHost::kMaster, FaultVariable::kPacket, FaultKind::kDrop, 0.0);  // drops none
+  blinking.trigger = FaultTrigger::kPacket;
+  blinking.duration_ticks = 1;
+  blinking.period_ticks = 2;
+  fault(blinking);
+  for (int i = 0; i < 200; ++i)
+    send(MasterCommand{});  // with the pedal up one tick takes them all
+  step();
+  const std::uint64_t lost = shared->fault_changes_unreported.value();
+  EXPECT_GT(lost, 100U);
+  rest(10);
+  EXPECT_EQ(shared->fault_changes_unreported.value(), lost);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

@@ -1178,5 +1178,33 @@ TEST_F(ServoManagerTest, AClientWhoseForceWasRefusedEndsNoTwistWhenItIsGone) {
   }
 }
 
+TEST_F(ServoManagerTest, AMoveUnderASmallLimitOfPacketsGoesOnWithoutStanding) {
+  alone([](TrainerConfig* config) { config->network.itp.max_increment_um = 10; });
+  ASSERT_TRUE(c->enable());
+  const RigidPose from = setpoint(), to = beside(from, {0.012, 0.0, 0.0});
+  ASSERT_EQ(c->ask(ServoKind::kMovePose, Arm::kGold, to), ServoRefusal::kNone);
+  int still = 0;
+  for (int i = 0; i < 6000 && c->isBusy(); ++i) {
+    const Vec3 before = tip();
+    c->rest(1);
+    const double gone = apart(tip(), from.p);
+    still += gone > 0.001 && gone < 0.011 && apart(tip(), before) < 0.5e-6 ? 1 : 0;
+  }
+  EXPECT_EQ(still, 0);
+  EXPECT_LT(apart(tip(), to.p), 1.5e-6);
+}
+
+TEST_F(ServoManagerTest, AModelThatCannotBeSteppedIsAFault) {
+  TrainerConfig config = ModeDriver::configuration();
+  config.model.gains[kShoulder].kp = std::nan("");
+  rig = std::make_unique<Rig>(config);
+  rig->robot_connected = false;
+  c = std::make_unique<ServoClient>(rig.get());
+  c->rest(5);
+  EXPECT_EQ(mode(), Mode::kStopped);
+  EXPECT_EQ(state(), OperatingState::kFault);
+  EXPECT_EQ(c->ask(StateCommand::kEnable), ServoRefusal::kMode);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::loop

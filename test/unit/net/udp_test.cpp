@@ -5,9 +5,14 @@
 
 #include "net_support.h"
 #include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/core/types.h"
+#include "raven2_trainer/net/itp_sender.h"
+#include "raven2_trainer/net/key_file.h"
 #include "raven2_trainer/net/udp_receiver.h"
 #include "raven2_trainer/net/udp_sender.h"
 #include "raven2_trainer/net/udp_socket.h"
+#include "raven2_trainer/wire/itp_gate.h"
+#include "raven2_trainer/wire/itp_rules.h"
 
 namespace raven2_trainer::net {
 namespace {
@@ -278,6 +283,48 @@ TEST(Udp, NobodyElseGetsItsPortHoweverItAsks) {
     name.sin_addr.s_addr = htonl(address);
     name.sin_port = htons(receiver.port());
     EXPECT_NE(::bind(other.get(), reinterpret_cast<const sockaddr*>(&name), sizeof(name)), 0) << address;
+  }
+}
+
+/** All that has come goes through the gate. @return packets that were used. */
+int takeAll(UdpReceiver* receiver, wire::ItpGate* gate, std::int64_t now_ns) {
+  int used = 0;
+  std::array<std::uint8_t, 512> buffer{};
+  while (const auto datagram = receiver->receive(buffer.data(), buffer.size())) {
+    const wire::Arrival arrival{buffer.data(), datagram->size, sourceId(datagram->source), now_ns};
+    wire::ItpPacket packet;
+    wire::HandshakeBytes reply;
+    if (!gate->isHello(arrival)) {
+      used += gate->judge(arrival, &packet) == Reject::kNone ? 1 : 0;
+    } else if (gate->answer(arrival, freshNonce(), &reply) == Reject::kNone) {
+      receiver->sendTo(datagram->source, reply.data(), reply.size());
+    }
+  }
+  return used;
+}
+
+TEST(ItpSender, SignsForAReceiverThatStartedAgain) {
+  const wire::ItpKey key(std::array<std::uint8_t, wire::ItpKey::kSize>{});
+  ItpRules rules;
+  rules.auth = ItpAuth::kRequired;
+  rules.max_increment_um = 2000;
+  rules.max_rotation = 0.1;
+  rules.max_rate = 1200;
+  rules.max_burst = 40;
+  rules.master_timeout = 0.2;
+  UdpReceiver receiver(kLoopback, 0);
+  ItpSender sender(kLoopback, receiver.port(), wire::Audience::kRobot, &key, ItpSender::Unanswered::kSilence);
+  std::int64_t now_ns = 0;
+  wire::ItpPacket packet;  // pedal up
+  for (int life = 1; life <= 2; ++life) {
+    wire::ItpGate gate(rules, wire::Audience::kRobot, &key);  // the second one knows no session
+    int used = 0;
+    for (int i = 0; i < 3000; ++i) {
+      ++packet.sequence;
+      sender.send(packet, now_ns += kTickNanoseconds);
+      used += takeAll(&receiver, &gate, now_ns);
+    }
+    EXPECT_GT(used, 1500) << life;
   }
 }
 

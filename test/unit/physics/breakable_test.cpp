@@ -293,5 +293,31 @@ TEST(BreakableSetUp, RefusesWhatCannotBeABody) {
   EXPECT_THROW(RavenWorld(testing::makeRaven(), scene, testing::modelConfig()), ModelException);
 }
 
+TEST_F(Breakable, WhatIsParkedOnItStillWeighs) {
+  // GIVEN two weights of 0.7 of the force, one of which has been parked on the post
+  model::SceneModel scene = testing::makeEmptyScene();
+  addSceneLink(&scene, "floor", model::JointKind::kFixed, shift(0, 0, -0.005), {box(Pose{}, 0.6, 0.6, 0.010)}, {});
+  addSceneLink(&scene, "post", model::JointKind::kFixed, shift(0, -0.12, 0),
+               {box(shift(0, 0, 0.005), 0.2, 0.04, 0.010)}, cube(0.02, 0.01));
+  addSceneLink(&scene, "first", model::JointKind::kFloating, shift(-0.06, -0.12, 0.020),
+               {box(Pose{}, 0.02, 0.02, 0.02)}, cube(0.7 * kForce / kGravity, 0.02));
+  addSceneLink(&scene, "second", model::JointKind::kFloating, shift(-0.06, -0.22, 0.010),
+               {box(Pose{}, 0.02, 0.02, 0.02)}, cube(0.7 * kForce / kGravity, 0.02));
+  scene.breakables = {{1, kForce, 10.0, kTicks}};
+  scene.parking = true;
+  RavenWorld world(raven_, scene, testing::modelConfig());
+  idle(&world, home_, 700);
+  ASSERT_EQ(world.parked(), 3U);
+  ASSERT_EQ(world.brokenOff().mask, 0U);
+  // WHEN the other one is put on the post, too
+  SceneSnapshot snapshot;
+  world.saveScene(&snapshot);
+  snapshot.bodies[1].p_WC = {0.06, -0.12, 0.020};
+  snapshot.bodies[1].parked = 0;
+  world.restoreScene(snapshot);
+  idle(&world, home_, 60);
+  EXPECT_EQ(world.brokenOff().mask, 1U);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::physics

@@ -260,5 +260,24 @@ TEST_P(EachArm, JawsHoldByTheirOwnFrictionNotByTheScenes) {
   }
 }
 
+TEST_P(EachArm, InAFrozenWorldNothingTouchesAnyMore) {
+  RavenWorld world(raven_, makeFloorAndRing(), modelConfig());
+  for (const Arm each : kArms)
+    world.setJointState(each, inTheFloor(), JointArray{});
+  world.step({});
+  ASSERT_GT(world.contacts(arm()), 0U);
+  JointArray q = home_;
+  q[kWrist] = std::numeric_limits<double>::quiet_NaN();
+  world.setJointState(arm(), q, JointArray{});
+  ASSERT_FALSE(world.healthy());
+  ContactList list;
+  world.contactList(&list);
+  EXPECT_EQ(list.count, 0U);
+  for (const Arm each : kArms) {
+    EXPECT_EQ(world.contacts(each), 0U) << name(each);
+    EXPECT_FALSE(world.isObstructed(each)) << name(each);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::physics

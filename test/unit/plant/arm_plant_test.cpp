@@ -243,5 +243,30 @@ TEST(ArmPlant, ViscousFrictionLimitsTheMotorToTorqueOverDamping) {
   EXPECT_NEAR(rate, -counts / 27328.42 / viscous, 0.02 * rate);
 }
 
+TEST(ArmPlant, TheTorqueGainIsRealOverCommandedTorque) {
+  for (const Arm which : kArms) {
+    for (const Joint joint : {kShoulder, kInsertion, kWrist}) {
+      VirtualRavenConfig weak = frictionless();
+      weak.plant.axes[joint].torque_gain = 0.5;
+      ArmPlant commanded(dhRaven(trainerConfig().arms), which, frictionless());
+      ArmPlant weaker(dhRaven(trainerConfig().arms), which, weak);
+      commanded.step(dacOn(joint, 1000), false);
+      weaker.step(dacOn(joint, 2000), false);
+      EXPECT_NEAR(weaker.motorRates()[joint], commanded.motorRates()[joint], 1e-9) << name(which) << kJointNames[joint];
+    }
+  }
+}
+
+TEST(ArmPlant, ViscousFrictionAtTheJointLimitsItsMotorToo) {
+  VirtualRavenConfig config = frictionless();
+  const double viscous = 0.03, ratio = config.axes[kToolRotation].transmission;  // [Nms/rad] at the joint
+  config.plant.axes[kToolRotation].link_viscous = viscous;
+  ArmPlant arm(dhRaven(trainerConfig().arms), Arm::kGold, config);
+  for (int k = 0; k < 200; ++k)
+    arm.step(dacOn(kToolRotation, -400), true);  // the others are braked
+  const double expected = 400 / 27328.42 / (26.0 / 7.0) * ratio * ratio / viscous;
+  EXPECT_NEAR(arm.motorRates()[kToolRotation], expected, 0.05 * expected);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::plant

@@ -8,6 +8,8 @@
 #include <fstream>
 #include <iterator>
 #include <numeric>
+#include <optional>
+#include <sstream>
 #include <vector>
 
 #include "raven2_trainer/core/exceptions.h"
@@ -297,6 +299,82 @@ TEST(ImpairmentProxyTest, APortThatIsTakenIsTold) {
   ProxyOptions options = linkTo(impair::Medium::kDatagrams, 9, {});
   options.links[0].listen_port = taken.port();
   EXPECT_THROW(ImpairmentProxy{options}, NetworkException);
+}
+
+TEST(ImpairmentProxyTest, DatagramsOnTheirWayBackHaveTheirOwnImpairment) {
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, target.port(), {});
+  options.links[0].back.loss = 1.0;
+  ImpairmentProxy proxy(options);
+  net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+  std::uint8_t byte = 1;
+  client.send(&byte, 1);
+  std::optional<net::Datagram> got;
+  serveUntil(&proxy, [&] { return (got = target.receive(&byte, 1)).has_value(); });
+  ASSERT_TRUE(got);
+  target.sendTo(got->source, &byte, 1);
+  serveUntil(&proxy, [&] { return proxy.report()[1].counts.in == 1; });
+  EXPECT_EQ(proxy.report()[0].counts.forwarded, 1U);
+  EXPECT_EQ(proxy.report()[1].counts.droppedTotal(), 1U);
+}
+
+TEST(ImpairmentProxyTest, TheTwoDirectionsLoseDifferentDatagrams) {
+  Impairment impairment;
+  impairment.loss = 0.5;
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kDatagrams, target.port(), impairment));
+  net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+  std::array<std::vector<int>, 2> arrived;
+  for (std::uint8_t number = 0; number < 200; ++number)
+    client.send(&number, 1);
+  serveUntil(&proxy, [&] { return proxy.report()[0].counts.in == 200; });
+  std::uint8_t byte = 0;
+  std::optional<net::Datagram> last;
+  while (const auto got = target.receive(&byte, 1)) {
+    last = got;
+    arrived[0].push_back(byte);
+  }
+  ASSERT_TRUE(last);
+  for (std::uint8_t number = 0; number < 200; ++number)
+    target.sendTo(last->source, &number, 1);
+  serveUntil(&proxy, [&] { return proxy.report()[1].counts.in == 200; });
+  while (client.receive(&byte, 1))
+    arrived[1].push_back(byte);
+  EXPECT_NEAR(static_cast<double>(arrived[1].size()), 100.0, 40.0);
+  EXPECT_NE(arrived[0], arrived[1]);
+}
+
+TEST(ImpairmentProxyTest, TheLogHasTheTimesFromTheStartAndWhatWasSpoilt) {
+  const auto path = std::filesystem::temp_directory_path() / ("raven2_times_" + std::to_string(getpid()) + ".csv");
+  Impairment impairment;
+  impairment.delay.constant_ns = 5 * kMillisecond;
+  impairment.corruption.probability = 1.0;
+  impairment.corruption.bits = 2;
+  net::UdpSocket target = net::UdpSocket::bound(kLoopback, 0);
+  ProxyOptions options = linkTo(impair::Medium::kDatagrams, target.port(), impairment);
+  options.log = path.string();
+  const std::int64_t start = net::monotonicNow();
+  ImpairmentProxy proxy(options);
+  net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
+  std::uint8_t bytes[124] = {};
+  client.send(bytes, sizeof(bytes));
+  serveUntil(&proxy, [&] { return target.receive(bytes, sizeof(bytes)).has_value(); });
+  proxy.finish();
+  std::ifstream file(path);
+  std::string row, cell;
+  std::getline(file, row);
+  std::getline(file, row);
+  std::vector<std::string> cells;
+  for (std::istringstream in(row); std::getline(in, cell, ',');)
+    cells.push_back(cell);
+  ASSERT_EQ(cells.size(), 13U) << row;
+  const std::int64_t in_ns = std::stoll(cells[6]), due_ns = std::stoll(cells[8]), out_ns = std::stoll(cells[9]);
+  EXPECT_GE(in_ns, 0);
+  EXPECT_EQ(due_ns, in_ns + 5 * kMillisecond);
+  EXPECT_GE(out_ns, due_ns);
+  EXPECT_LE(out_ns, net::monotonicNow() - start);
+  EXPECT_EQ(cells[10] + cells[11] + cells[12], "200") << "two bits, not truncated, not reordered";
+  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -661,5 +661,77 @@ TEST(JudgeAlways, TheSameTicksGiveTheSameBits) {
     ASSERT_TRUE(a[i] == b[i] || (std::isnan(a[i]) && std::isnan(b[i])));
 }
 
+TEST(JudgeLost, ItIsFoundThoughAnotherObjectIsHeldMeanwhile) {
+  Bench bench = watching({});
+  bench.grip(Arm::kGold, kBlock);
+  bench.run(10);
+  bench.put(kRingSlot, {0.5, 0.5, 0.002});
+  bench.run(3000);
+  EXPECT_EQ(bench.state().failure, ExerciseFailure::kObjectLost);
+}
+
+TEST(JudgeLost, AnAttemptDoesNotFailByWhatTheOneBeforeWasAskingFor) {
+  Bench bench = watching({});
+  bench.run(10);
+  bench.put(kRingSlot, {0.5, 0.5, 0.002});
+  bench.run(1500);  // it rests, and is being asked for
+  ASSERT_EQ(bench.state().status, ExerciseStatus::kRunning);
+  bench.put(kRingSlot, {0.0, 0.0, 0.1});
+  bench.model.pedal = 0;
+  bench.model.mode = Mode::kPedalUp;
+  bench.judge->start();
+  bench.run(100);
+  ASSERT_EQ(bench.state().status, ExerciseStatus::kWaiting);
+  bench.model.pedal = 1;
+  bench.model.mode = Mode::kTeleoperating;
+  bench.run(2000);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
+}
+
+TEST(JudgeLost, WhatIsAroundItsTargetIsNotLostWhereverThatIs) {
+  SceneRoles roles = testRoles();
+  roles.pegs[kPegA].base_W = {0.5, 0.5, 0.0};
+  Exercise exercise = Bench::with({endless()});
+  exercise.targets = {kPegA};
+  Bench bench(exercise, roles);
+  bench.run(10);
+  bench.put(kRingSlot, {0.5, 0.5, 0.010});
+  bench.run(3000);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
+}
+
+/** The block begins 0.14 m from the nearer remote centre; an arm reaches 0.11 m. */
+TEST(JudgeLost, WhatLiesWhereTheAttemptBeganIsNotAskedForBehindAPause) {
+  Bench bench = watching({});
+  bench.run(10);
+  bench.model.mode = Mode::kPaused;
+  bench.run(10);
+  bench.model.mode = Mode::kTeleoperating;
+  bench.run(5000);
+  EXPECT_EQ(bench.state().status, ExerciseStatus::kRunning);
+}
+
+TEST(JudgeOrder, WhatCameAboutWhileNothingWasJudgedIsNone) {
+  const ExerciseTrack placing = track({step({held(Hand::kGold)}), step({around(kPegA)}, 0.05)});
+  Bench bench(Bench::with({placing}, {rule(Mistake::kOutOfOrder)}));
+  bench.run(10);
+  bench.model.mode = Mode::kChoosing;
+  bench.put(kRingSlot, {0.03, 0.0, 0.002});
+  bench.run(10);
+  bench.model.mode = Mode::kTeleoperating;
+  bench.run(200);
+  EXPECT_EQ(bench.mistakes(Mistake::kOutOfOrder), 0U);
+}
+
+TEST(JudgeArm, BeforeTheTurnOfItsTrackNoArmIsWrong) {
+  const ExerciseTrack second = track({step({held(Hand::kGold, kBlockObject)}, 10.0)}, kBlockObject, 0);
+  Bench bench(Bench::with({track({step({around(kPegA)})}), second}, {rule(Mistake::kWrongArm)}));
+  bench.run(1);
+  bench.grip(Arm::kGreen, kBlock);
+  bench.run(50);
+  ASSERT_EQ(bench.state().bodies[kBlockSlot], kHeldByGreen);
+  EXPECT_EQ(bench.mistakes(Mistake::kWrongArm), 0U);
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training::testing

@@ -758,5 +758,18 @@ TEST(JudgeAlong, EachStepIsLedFromItsOwnBeginning) {
   EXPECT_TRUE(isDone(&bench));
 }
 
+TEST(JudgeSteps, DwellBeginsAnewBehindAPauseAndInANewAttempt) {
+  Bench bench = waitingFor(around(kPegA), 0.1);
+  bench.put(kRingSlot, {0.03, 0.0, 0.002});
+  bench.run(99);
+  bench.model.mode = Mode::kPaused;
+  bench.run(10);
+  bench.model.mode = Mode::kTeleoperating;
+  EXPECT_FALSE(isDone(&bench, 99));
+  bench.judge->start();
+  EXPECT_FALSE(isDone(&bench, 99));
+  EXPECT_TRUE(isDone(&bench));
+}
+
 }  // namespace
 }  // namespace raven2_trainer::training::testing

@@ -182,6 +182,21 @@ TEST_F(SessionScoreTest, ScoresEachAttemptAtAnExercise) {
   EXPECT_NEAR(score.histories[1].steps[0].at, 2.0, 1e-9);
 }
 
+TEST_F(SessionScoreTest, AStepHasItsNameInItsOwnTrack) {
+  session::LogHeader header = makeHeader();
+  header.step_names = {{"lift", "place"}, {"press"}};
+  begin(header);
+  writeTicks(writer_.get(), 0, 500, 1, ExerciseStatus::kRunning);
+  ExerciseRecord step = makeEvent(500, ExerciseEventKind::kStepDone);
+  step.event.track = 1;
+  step.event.step = 0;
+  writer_->write(step);
+  writeTicks(writer_.get(), 500, 1000, 1, ExerciseStatus::kRunning);
+  const SessionScore score = finish();
+  ASSERT_EQ(score.histories.at(0).steps.size(), 1U);
+  EXPECT_EQ(score.histories[0].steps[0].name, "press");
+}
+
 TEST_F(SessionScoreTest, AnAttemptThatFailsBeforeItsTimerStartsIsOne) {
   begin();
   writeTicks(writer_.get(), 0, 300, 1, ExerciseStatus::kWaiting);

@@ -294,5 +294,18 @@ TEST(StreamTranslator, AtTheGateALooseConsoleIsTakenWithItsProfileAlone) {
   }
 }
 
+TEST(StreamTranslator, WhatTheBoundCutOffIsNotMadeUpForLater) {
+  StreamProfile p = profile();
+  p.axes = kAsTheyAre;
+  p.um_per_count = 1000.0;
+  StreamTranslator stream(p);
+  for (const std::int32_t wild : {2147483647, -2147483647}) {
+    ItpPacket packet = still();
+    packet.delx_um[0] = wild;
+    EXPECT_EQ(used(&stream, packet).delx_um[0], wild);
+    EXPECT_EQ(used(&stream, still()).delx_um[0], 0);
+  }
+}
+
 }  // namespace
 }  // namespace raven2_trainer::wire
