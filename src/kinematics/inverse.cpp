@@ -6,7 +6,6 @@ namespace {
 
 using Eigen::Vector2d;
 
-constexpr double kMaxError = kPi;  // squared error above which the robot refuses a solution
 // [m] Remote centre to jaw axis: one micrometre, the robot's resolution, then swings the wrist point by over 0.1 rad.
 constexpr double kNearJawAxis = 1e-5;
 constexpr double kSameRoll = 1e-6;  // [rad]
@@ -40,7 +39,7 @@ IkStatus solveOnAxis(PoseSolver* solver, const JointArray& current, NearestSolut
         solution.valid = solution.valid && (any_roll || hasRoll(solution.q, roll));
       nearest->offer(solutions);
     }
-    if (nearest->error() <= kMaxError) break;
+    if (nearest->isFound()) break;
   }
   return status;
 }
@@ -75,12 +74,12 @@ IkResult inverse(const ArmGeometry& geometry,
   IkSolutions solutions;
   IkStatus status = IkStatus::kOutOfReach;
   if (off_axis >= kOnJawAxis) {
-    status = solver.solve(rcm_T / off_axis, &solutions);
+    status = solver.solve(rcm_T / off_axis, &solutions, &nearest);
     nearest.offer(solutions);
   } else {
     status = solveOnAxis(&solver, current, &nearest);
   }
-  if (nearest.error() <= kMaxError) {
+  if (nearest.isFound()) {
     return {off_axis < kNearJawAxis ? IkStatus::kSingularWrist : IkStatus::kOk, nearest.q()};
   }
   if (status != IkStatus::kOk) return {status, {}};

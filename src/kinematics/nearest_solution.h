@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <limits>
 
 #include "raven2_trainer/kinematics/arm_kinematics.h"
@@ -16,11 +17,18 @@ class NearestSolution {
       if (solution.valid) offer(solution.q);
     }
   }
-  double error() const noexcept { return error_; }
+  /** Whether one is near enough for the robot. */
+  bool isFound() const noexcept { return error_ <= kMaxError; }
+  /** Whether no solution with this insertion [m] is near enough. */
+  bool refuses(double insertion) const noexcept {
+    const double error = (insertion - current_[kInsertion]) * kInsertionWeight;
+    return error * error > kMaxError && std::isfinite(error * error);
+  }
   const JointArray& q() const noexcept { return best_; }
 
  private:
   // raven2 r2_kinematics.cpp:737-799; raven2.md 2.5
+  static constexpr double kMaxError = kPi;  // squared error above which the robot refuses a solution
   static constexpr double kInsertionWeight = 100.0;
   static constexpr double kUnwrapAbove = 300.0 * kPi / 180.0;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kinematics/nearest_solution.h"
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/kinematics/arms_config.h"
 #include "raven2_trainer/kinematics/chain.h"
@@ -27,10 +28,18 @@ class PoseSolver {
   PoseSolver(const ArmGeometry& geometry, Arm arm, const Pose& X_BT, double opening) noexcept
       : geometry_(geometry), chain_(kChains[index(arm)]), X_BT_(X_BT), opening_(opening) {}
 
-  /** All solutions with the wrist point on a line in T, by its unit vector. @return kOk, or the reason of failure. */
-  IkStatus solve(const Eigen::Vector2d& direction_T, IkSolutions* solutions) noexcept {
+  /**
+   * All solutions with the wrist point on a line in T, by its unit vector.
+   * @param[in] nearest leaves out solutions that it refuses for their insertion alone.
+   * @return kOk, also if all were left out, or the reason of failure.
+   */
+  IkStatus solve(const Eigen::Vector2d& direction_T,
+                 IkSolutions* solutions,
+                 const NearestSolution* nearest = nullptr) noexcept {
     *solutions = {};
     next_ = solutions->begin();
+    nearest_ = nearest;
+    has_refused_ = false;
     bool near_rcm = false;
     for (const double side : {1.0, -1.0}) {
       const Eigen::Vector2d p5_T = side * geometry_.lw * direction_T;
@@ -47,7 +56,8 @@ class PoseSolver {
         solveArm(p5 / d, d);
     }
     near_rcm_ = near_rcm;
-    const bool any = std::any_of(solutions->begin(), solutions->end(), [](const IkSolution& s) { return s.valid; });
+    const bool any =
+        has_refused_ || std::any_of(solutions->begin(), solutions->end(), [](const IkSolution& s) { return s.valid; });
     return any ? IkStatus::kOk : near_rcm ? IkStatus::kSingularRcm : IkStatus::kOutOfReach;
   }
 
@@ -82,6 +92,11 @@ class PoseSolver {
   void solveArm(const Vector3& shaft, double d) noexcept {
     double cos2 = -chain_.sign * (shaft.z() + kLink12.c * kLink23.c) / (kLink12.s * kLink23.s);
     if (std::abs(cos2) > 1.0 + kRounding) {
+      next_ += 2;
+      return;
+    }
+    if (nearest_ != nullptr && nearest_->refuses(d - geometry_.d4)) {
+      has_refused_ = true;
       next_ += 2;
       return;
     }
@@ -149,7 +164,8 @@ class PoseSolver {
   IkSolutions::iterator next_{};
   double midline_{};
   Vector3 forearm_;
-  bool near_rcm_{false};
+  bool near_rcm_{false}, has_refused_{false};
+  const NearestSolution* nearest_{};
 };
 
 }  // namespace raven2_trainer::kinematics

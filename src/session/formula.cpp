@@ -52,8 +52,8 @@ CosSinPair cosSin(Pair radians) noexcept {
   // Rounds to a whole number, a half to the even one, as rint() does, which is a call. It is then in the lowest bits.
   constexpr double kRounding = 6755399441055744.0;  // 1.5 * 2^52
   constexpr Pair kLargest{1e5, 1e5};
-  constexpr PairBits kSign{1ULL << 63U, 1ULL << 63U}, kOne{1, 1}, kTwo{2, 2};
-  const auto is_inside = reinterpret_cast<PairBits>(pairOf(bitsOf(radians) & ~kSign) <= kLargest);
+  constexpr PairBits kSignBits{1ULL << 63U, 1ULL << 63U}, kOne{1, 1}, kTwo{2, 2};
+  const auto is_inside = reinterpret_cast<PairBits>(pairOf(bitsOf(radians) & ~kSignBits) <= kLargest);
   const Pair angle = pairOf(bitsOf(radians) & is_inside);
   const Pair rounded = angle * kQuartersPerRadian + kRounding;
   const Pair k = rounded - kRounding;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <set>
 #include <string>
 
@@ -264,8 +265,13 @@ TEST(FirstWristPoint, IsAtTheRemoteCentreFromLwBeforeItToThreeLwBehindIt) {
   // within lw of the centre.
   const ArmGeometry g = raven();
   for (const Arm arm : kArms) {
-    for (const auto& [d, is_near] : {std::pair{-0.0131, false}, {-0.0129, true}, {0.0, true}, {0.0129, true},
-                                     {0.0131, true},            {0.0389, true},  {0.0391, false}}) {
+    for (const auto& [d, is_near] : {std::pair{-0.0131, false},
+                                     {-0.0129, true},
+                                     {0.0, true},
+                                     {0.0129, true},
+                                     {0.0131, true},
+                                     {0.0389, true},
+                                     {0.0391, false}}) {
       const JointArray q{0.6, 1.5, d - g.d4, 0.4, 0.0, 0.2, 0.5};
       EXPECT_EQ(isFirstWristPointAtRcm(g, forward(g, arm, q)), is_near) << name(arm) << " " << d;
     }
@@ -485,6 +491,44 @@ TEST(Inverse, WhereTheWristIsSingularTooFarIsNotOutOfReach) {
     EXPECT_EQ(result.status, IkStatus::kTooFar) << name(arm);
     EXPECT_EQ(result.q, JointArray{}) << name(arm);
   }
+}
+
+/** The robot's measure, from raven2.md 2.5. */
+double robotsError(const JointArray& current, JointArray q) {
+  const double roll = q[kToolRotation] - current[kToolRotation];
+  if (std::abs(roll) > 300.0 * kPi / 180.0) q[kToolRotation] -= std::copysign(2.0 * kPi, roll);
+  const std::array<double, 6> errors{q[kShoulder] - current[kShoulder],
+                                     q[kElbow] - current[kElbow],
+                                     100.0 * (q[kInsertion] - current[kInsertion]),
+                                     q[kToolRotation] - current[kToolRotation],
+                                     q[kWrist] - current[kWrist],
+                                     jawMidline(q) - jawMidline(current)};
+  return std::inner_product(errors.begin(), errors.end(), errors.begin(), 0.0);
+}
+
+/** Differences on both sides of what the robot accepts, of insertion too: 17.7 mm. */
+TEST(Inverse, IsTheNearestOfAllSolutionsOrNoneWhereAllAreFar) {
+  const ArmGeometry g = raven();
+  Random random(31);
+  std::array<int, 2> count{};
+  for (int i = 0; i < 4000; ++i) {
+    const Arm arm = kArms[static_cast<std::size_t>(i % 2)];
+    JointArray q = g.home, current = g.home;
+    for (std::size_t j = 0; j < kJointCount; ++j) {
+      q[j] += random.uniform(-0.4, 0.4) * (j == kInsertion ? 0.1 : 1.0);
+      current[j] = q[j] + random.uniform(-0.3, 0.3) * (j == kInsertion ? 0.08 : 1.0);
+    }
+    IkSolutions solutions;
+    ASSERT_EQ(inverseAll(g, arm, forward(g, arm, q), jawOpening(q), &solutions), IkStatus::kOk);
+    double nearest = std::numeric_limits<double>::infinity();
+    for (const IkSolution& solution : solutions)
+      nearest = solution.valid ? std::min(nearest, robotsError(current, solution.q)) : nearest;
+    const IkResult found = inverse(g, arm, forward(g, arm, q), jawOpening(q), current);
+    ASSERT_EQ(found.status, nearest <= kPi ? IkStatus::kOk : IkStatus::kTooFar) << i;
+    if (found.status == IkStatus::kOk) ASSERT_NEAR(robotsError(current, found.q), nearest, 1e-9) << i;
+    ++count[found.status == IkStatus::kOk ? 0 : 1];
+  }
+  EXPECT_GT(std::min(count[0], count[1]), 400);
 }
 
 }  // namespace
