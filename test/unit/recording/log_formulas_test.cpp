@@ -268,7 +268,7 @@ std::size_t memoryHeld() {
 }
 
 TEST(LogFormulas, ALogTakesNoMoreMemoryWhenBatchesBecomeLonger) {
-  if (raven2_trainer::testing::kIsSanitized) GTEST_SKIP() << "its allocator tells nothing";
+  if (raven2_trainer::testing::kIsSanitized) GTEST_SKIP() << "its allocator has no figures";
   LogWriter log(scratchPath("flat.rlog"), LogHeader{}, tickConstants());
   log.reserve(2U << 20U);
   MovingTicks ticks(tickConstants());
