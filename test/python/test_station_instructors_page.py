@@ -158,7 +158,7 @@ def test_work_on_a_listed_session_says_its_end_and_its_percents_hide_no_other_te
 
 def test_strips_have_each_arms_distance_in_millimetres_and_its_force(known):
     heard = [{"t": "strips", "apart": {"gold": 0.002, "green": 0.0035}, "force": {"gold": 0.5, "green": 1.5}},
-            {"t": "strips", "apart": {"gold": None, "green": 0}, "force": {"gold": 0, "green": 0}}]
+             {"t": "strips", "apart": {"gold": None, "green": 0}, "force": {"gold": 0, "green": 0}}]
     found = run_instructors_page(known, f"{json.dumps(heard)}.forEach(hear);" """
       console.log(JSON.stringify([...strips.apart.samples, ...strips.force.samples].map(([, values]) => values)));""")
     assert found == [{"gold": 2, "green": 3.5}, {"gold": None, "green": 0}, *(message["force"] for message in heard)]
