@@ -465,12 +465,17 @@ def test_an_exercise_without_a_score_says_how_to_get_one(tmp_path):
     assert "Not judged: this session has no score" in page and "score_session DIR" in page
 
 
-def test_a_build_in_another_place_scores_the_session(tmp_path, monkeypatch):
+def put_elsewhere(tmp_path, monkeypatch, says):
+    """A build in another place, whose score_session only prints."""
     program = tmp_path / "elsewhere/devel/lib/raven2_trainer/score_session"
     program.parent.mkdir(parents=True)
-    program.write_text("#!/bin/sh\necho \"another build: $1\" >&2\nexit 1\n")
+    program.write_text(f"#!/bin/sh\necho \"{says}\" >&2\nexit 1\n")
     program.chmod(0o755)
     monkeypatch.setenv("RAVEN2_TRAINER_BUILD", str(tmp_path / "elsewhere"))
+
+
+def test_a_build_in_another_place_scores_the_session(tmp_path, monkeypatch):
+    put_elsewhere(tmp_path, monkeypatch, "another build: $1")
     folder = made.make(tmp_path / "s")
     assert f"session_report: score_session: another build: {folder}\n" in report(folder)[2]
 
@@ -636,9 +641,5 @@ def test_it_prints(tmp_path, whole):
 
 
 def test_a_score_that_is_there_stays(tmp_path, monkeypatch):
-    program = tmp_path / "elsewhere/devel/lib/raven2_trainer/score_session"
-    program.parent.mkdir(parents=True)
-    program.write_text("#!/bin/sh\necho 'scored again' >&2\nexit 1\n")
-    program.chmod(0o755)
-    monkeypatch.setenv("RAVEN2_TRAINER_BUILD", str(tmp_path / "elsewhere"))
+    put_elsewhere(tmp_path, monkeypatch, "scored again")
     assert "scored again" not in report(made.make(tmp_path / "s", made.score()))[2]

@@ -170,6 +170,19 @@ class LoopBench : public ::testing::Test {
     ASSERT_EQ(mode(), Mode::kExecuting);
   }
 
+  /** A plan on the robot, or a trial's repetition. */
+  void execute(bool is_trial) {
+    if (is_trial) {
+      trial(pressed(), 5);
+      beginRepeat();
+    } else {
+      plan();
+      ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
+      press(1);
+    }
+    ASSERT_EQ(mode(), Mode::kExecuting);
+  }
+
   ModelState model() const { return shared->model.load(); }
   Mode mode() const { return model().mode; }
   const ArmState armState(Arm arm) const { return at(model().arms, arm); }
@@ -1077,15 +1090,7 @@ TEST_F(LoopBench, WhatIsExecutedIsGivenUpWhereTheRobotDoesNotTakeThePedal) {
   for (const bool is_trial : {false, true}) {
     obeys = true;
     begin();
-    if (is_trial) {
-      trial(pressed(), 5);
-      beginRepeat();
-    } else {
-      plan();
-      ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
-      press(1);
-    }
-    ASSERT_EQ(mode(), Mode::kExecuting);
+    execute(is_trial);
     obeys = false;
     press(190);
     EXPECT_EQ(mode(), Mode::kExecuting) << is_trial;
@@ -1101,14 +1106,7 @@ TEST_F(LoopBench, ARobotThatDoesNotSettleIsWaitedForAsLongAsTheFileSays) {
     for (std::size_t i = 0; i < ticks.size(); ++i) {
       config.execution.settle_time = i == 0 ? 0.3 : 0.8;
       begin();
-      if (is_trial) {
-        trial(pressed(), 5);
-        beginRepeat();
-      } else {
-        plan();
-        ASSERT_EQ(ask(RequestKind::kExecutePlan, [](Request* r) { r->on_robot = 1; }), PlanningAnswer::kAccepted);
-        press(1);
-      }
+      execute(is_trial);
       robot.arms[0].v_BT = {0.0, 2.0 * config.execution.settle_speed, 0.0};
       for (; ticks[i] < 6000 && mode() == Mode::kExecuting; ++ticks[i])
         press(1);
