@@ -40,19 +40,20 @@ SAME = 1e-5  # m: the set point is still
 HOME = (math.radians(30), math.radians(90), 0.40, 0.0, 0.0, 0.0)  # after homing (raven2.md)
 
 
-ONE_TWIST = """
+ONE_MESSAGE = """
 import sys
 import rospy
 from geometry_msgs.msg import TwistStamped
+from sensor_msgs.msg import JointState
 
-rospy.init_node("one_twist")
-publisher = rospy.Publisher(sys.argv[1], TwistStamped, queue_size=10)
-while publisher.get_num_connections() == 0:
-    rospy.sleep(0.01)
-
+rospy.init_node("one_message", anonymous=True)
 twist = TwistStamped()
 twist.twist.linear.z = 2e-3
-publisher.publish(twist)
+message = {"servo_cv": twist, "servo_jv": JointState(velocity=[0.01, 0, 0, 0, 0, 0])}[sys.argv[1].split("/")[-1]]
+publisher = rospy.Publisher(sys.argv[1], type(message), queue_size=10)
+while publisher.get_num_connections() == 0:
+    rospy.sleep(0.01)
+publisher.publish(message)
 print("sent", flush=True)
 rospy.spin()
 """
@@ -149,7 +150,8 @@ class Device:
     KEPT = {"operating_state": OperatingState, "info": StringStamped, "warning": StringStamped, "error": StringStamped}
     HEARD = {**KEPT, "measured_js": JointState, "setpoint_js": JointState, "measured_cp": PoseStamped, "setpoint_cp": PoseStamped,
              "goal_cp": PoseStamped, "jaw/measured_js": JointState, "jaw/setpoint_js": JointState,
-             "local/measured_cp": PoseStamped, "jacobian": Float64MultiArray}
+             "local/measured_cp": PoseStamped, "local/setpoint_cp": PoseStamped, "jacobian": Float64MultiArray,
+             "spatial/jacobian": Float64MultiArray}
     SAID = {"state_command": StringStamped, "servo_jp": JointState, "servo_jr": JointState, "servo_cp": PoseStamped,
             "servo_cr": PoseStamped, "servo_cv": TwistStamped, "move_jp": JointState, "move_cp": PoseStamped, "hold": Empty,
             "free": Empty, "jaw/servo_jp": JointState, "jaw/move_jp": JointState, "local/servo_cp": PoseStamped}
@@ -217,6 +219,8 @@ def moved(pose, by):
 
 
 class Crtk(unittest.TestCase):
+    bases = {}  # frame and rotation, by the arm's name
+
     @classmethod
     def setUpClass(cls):
         rospy.init_node("crtk_test", disable_signals=True)
@@ -379,14 +383,60 @@ class Crtk(unittest.TestCase):
             world = arm.pose("measured_cp")
             expected = [a + b for a, b in zip(rotate(X.rotation, vector(local.pose.position)), vector(X.translation))]
             self.assertLess(math.dist(expected, vector(world.pose.position)), 2e-4, "at rest, up to the robot's noise")
+            self.bases[arm.name] = base, X.rotation
+            self.check_spatial_jacobian(arm, vector(world.pose.position))
+
+    def check_spatial_jacobian(self, arm, tip):
+        """Its linear part is the velocity of the body's point at the world's origin: v + p x w."""
+        about_tip, about_origin = ([arm.next(name).data[6 * row:6 * row + 6] for row in range(6)]
+                                   for name in ("jacobian", "spatial/jacobian"))
+        for j in range(6):
+            v, w = ([about_tip[row][j] for row in rows] for rows in (range(3), range(3, 6)))
+            lever = [tip[(i + 1) % 3] * w[(i + 2) % 3] - tip[(i + 2) % 3] * w[(i + 1) % 3] for i in range(3)]
+            found = [about_origin[row][j] for row in range(6)]
+            self.assertLess(math.dist(found, [*(a + b for a, b in zip(v, lever)), *w]), 1e-3, f"{arm.name}, joint {j}")
 
     def test_07_a_stream_in_joint_space_moves_both_arms(self):
         starts = [arm.position() for arm in self.arms]
         away = ((0.15, 0.1, 0.02, 0.3, 0.2, 0.2), (-0.1, 0.15, 0.03, -0.3, -0.2, 0.1))  # each arm differently
+        velocities = {(arm.name, name): Topic(f"{arm.name}/{name}", TwistStamped)
+                      for arm in self.arms for name in ("measured_cv", "local/measured_cv")}
+        until(lambda: all(topic.newest for topic in velocities.values()), 5, "velocities")
         self.stream_joints_to([[a + b for a, b in zip(start, by)] for start, by in zip(starts, away)])
+        for arm in self.arms:
+            self.check_velocities(velocities[arm.name, "measured_cv"], velocities[arm.name, "local/measured_cv"], *self.bases[arm.name])
         self.settle()
         self.check_settled(f"joints by {away}")
+        self.check_models()
         self.stream_joints_to(starts)
+
+    def check_models(self):
+        """The model of each arm is where that arm is, and both have the torques of that model."""
+        def mean(name):
+            topic = Topic(name, JointState)
+            until(lambda: len(topic.messages) > 20, 5, name)
+            topic.close()
+            rows = [[*m.position[:3], *m.effort[:3]] for m in topic.messages]
+            return [sum(column) / len(rows) for column in zip(*rows)]
+
+        own, model = ([mean(f"{above}{arm.name}/measured_js") for arm in self.arms] for above in ("", "model/"))
+        print("torques at rest:", own, model)
+        for arm, a, b in zip(self.arms, own, model):
+            self.assertLess(math.dist(a[:3], b[:3]), 0.02, arm.name)
+            self.assertLess(math.dist(a[3:], b[3:]), 0.2 * math.dist(own[0][3:], own[1][3:]), arm.name)
+
+    def check_velocities(self, in_world, in_base, base, rotation):
+        """The same in both frames. @param rotation: of the arm's base in the world."""
+        for topic in (in_world, in_base):
+            topic.close()
+        world, local = ({m.header.stamp: m for m in topic.messages} for topic in (in_world, in_base))
+        both = [(world[stamp], local[stamp]) for stamp in world if stamp in local]
+        self.assertGreater(sum(math.hypot(*vector(m.twist.linear)) > 1e-3 for m, _ in both), 20, "it has moved")
+        for m, other in both:
+            self.assertEqual((m.header.frame_id, other.header.frame_id), ("world", base))
+            for part in ("linear", "angular"):
+                expected = rotate(rotation, vector(getattr(other.twist, part)))
+                self.assertLess(math.dist(expected, vector(getattr(m.twist, part))), 1e-6)
 
     def stream_joints_to(self, goals):
         """Streams joints and checks the set points."""
@@ -693,21 +743,56 @@ class Crtk(unittest.TestCase):
         self.assertAlmostEqual(way, 1e-3 * took, delta=1.5e-4, msg=f"warnings: {said}")
         self.assertEqual(said, [])
 
-    def test_15c_a_twist_ends_with_its_client(self):
-        """The client is killed. This process goes on as another publisher of servo_cv."""
-        arm = self.arms[0]
-        start = arm.pose()
-        with subprocess.Popen([sys.executable, "-c", ONE_TWIST, f"{arm.name}/servo_cv"], stdout=subprocess.PIPE, text=True) as client:
+    @staticmethod
+    def send_once(*topics):
+        """Sends one message on each topic, by a separate client, and kills the clients after half a second."""
+        clients = [subprocess.Popen([sys.executable, "-c", ONE_MESSAGE, topic], stdout=subprocess.PIPE, text=True) for topic in topics]
+        for client in clients:
             client.stdout.readline()
-            time.sleep(0.5)
-            client.kill()
+        time.sleep(0.5)
+        for client in clients:
+            with client:
+                client.kill()
+
+    def test_15c_a_twist_and_joint_rates_end_with_their_client(self):
+        """This process goes on as another publisher of servo_cv."""
+        arm, other = self.arms
+        start, joints = arm.pose(), other.position()
+        self.send_once(f"{arm.name}/servo_cv", f"{other.name}/servo_jv")
         time.sleep(1.0)
-        before = arm.pose()
+        before, joints_before = arm.pose(), other.position()
         self.assertGreater(distance(start, before), 0.5e-3, "it has moved")
+        self.assertGreater(joints_before[0] - joints[0], 3e-3, "it has moved")
         time.sleep(0.5)
         self.assertLess(distance(before, arm.pose()), SAME, "the arm stops long before the twist's time-out")
-        arm.command("disable")
-        arm.await_state("DISABLED")
+        self.assertLess(math.dist(joints_before, other.position()), 1e-4)
+
+    def test_15d_what_is_local_is_along_the_axes_of_the_arms_base(self):
+        for arm in self.arms:
+            kinds = {"local/servo_cv": TwistStamped, "local/move_cp": PoseStamped}
+            said = {name: rospy.Publisher(f"{arm.name}/{name}", kind, queue_size=10) for name, kind in kinds.items()}
+            poses = Topic(f"{arm.name}/local/setpoint_cp", PoseStamped)
+            until(lambda: poses.newest and all(p.get_num_connections() > 0 for p in said.values()), 5, "the daemon")
+            start, twist = poses.newest, TwistStamped()
+            twist.twist.linear.x = 4e-3
+            begun = time.monotonic()
+            said["local/servo_cv"].publish(twist)
+            time.sleep(0.5)
+            took = time.monotonic() - begun
+            said["local/servo_cv"].publish(TwistStamped())
+            time.sleep(0.5)
+            x, y, z = (b - a for a, b in zip(vector(start.pose.position), vector(poses.newest.pose.position)))
+            self.assertAlmostEqual(x, 4e-3 * took, delta=0.5e-3, msg=arm.name)
+            self.assertLess(math.hypot(y, z), 1e-4, arm.name)
+            goal = moved(poses.newest, (0.0, 0.0, 5e-3))
+            goal.header.frame_id = ""
+            arm.finish(lambda: said["local/move_cp"].publish(goal), 5)
+            self.assertLess(distance(arm.pose("local/setpoint_cp"), goal), 5e-5, arm.name)
+            poses.close()
+            for publisher in said.values():
+                publisher.unregister()
+        self.arms[0].command("disable")
+        self.arms[0].await_state("DISABLED")
 
     def test_16_the_client_of_the_documentation_draws_its_circle(self):
         text = (HERE.parents[1] / "doc/crtk.md").read_text()
@@ -859,6 +944,20 @@ class Crtk(unittest.TestCase):
         self.assertEqual({vector(m.wrench.force) for m in other.messages}, {(0.0, 0.0, 0.0)})
         for topic in (*topics.values(), poses, other):
             topic.close()
+        self.check_force_is_told_alone(self.arms[1], down)
+
+    def check_force_is_told_alone(self, arm, down):
+        """While nobody listens to the other arm's."""
+        force = Topic(f"model/{arm.name}/measured_cf", WrenchStamped)
+        arm.finish(lambda: arm.joints("move_jp", HOME), 10)
+
+        def presses():
+            arm.say("servo_cv", down)
+            return force.newest is not None and force.newest.wrench.force.z > 2.0
+
+        until(presses, 10, "the dome touched")
+        arm.say("hold", Empty())
+        force.close()
 
 
 if __name__ == "__main__":

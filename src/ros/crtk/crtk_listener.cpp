@@ -92,8 +92,8 @@ CrtkListener::CrtkListener(const ros::NodeHandle& node,
       voice_(*voice) {
   for (const ServoKind end : {ServoKind::kEndTwist, ServoKind::kEndRates, ServoKind::kEndForces})
     lasting_.try_emplace(
-        end, [this](const std::string& topic) { return subscribers_[timed_.at(topic)].getNumPublishers(); },
-        [this](const std::string& topic) { return publishersOf({subscribers_[timed_.at(topic)].getTopic()}); },
+        end, [this](const std::string& topic) { return subscribers_[by_topic_.at(topic)].getNumPublishers(); },
+        [this](const std::string& topic) { return publishersOf({subscribers_[by_topic_.at(topic)].getTopic()}); },
         twistTimeout(config));
   hearState(inArm("state_command"), may_command);
   if (is_raven_ && arm == Arm::kGold) hearState("state_command", may_command);  // of both arms, as there
@@ -259,16 +259,14 @@ void CrtkListener::hear(const std::string& topic, std::uint32_t queue, std::func
   };
   const auto at_once = ros::TransportHints().tcpNoDelay();
   subscribers_.push_back(node_.subscribe<Message, const Event&>(topic, queue, callback, ros::VoidConstPtr(), at_once));
-  const bool is_timed = topic.find("servo_cv") != std::string::npos || topic.find("servo_jv") != std::string::npos ||
-                        topic.find("servo_jf") != std::string::npos || topic.find("servo_cf") != std::string::npos;
-  if (is_timed) timed_[topic] = subscribers_.size() - 1;
+  by_topic_[topic] = subscribers_.size() - 1;
 }
 
 void CrtkListener::take(const std::string& topic, const CrtkAsked& asked) {
   if (asked.isNothing()) return;
   const std::string refusal = inbox_.take(asked);
   const auto end = asked.command ? endOf(asked.command->kind) : std::nullopt;
-  if (end && timed_.count(topic) > 0) lasting_.at(*end).take(topic, net::monotonicNow());
+  if (end) lasting_.at(*end).take(topic, net::monotonicNow());
   if (!refusal.empty()) voice_.complain(CrtkLevel::kWarning, topic, refusal, net::monotonicNow());
 }
 
