@@ -1,12 +1,11 @@
 #include "ros/bridge/services.h"
 
-#include <algorithm>
-
 #include "raven2_trainer/config/load_config.h"
 #include "raven2_trainer/config/trainer_config.h"
 #include "raven2_trainer/core/exceptions.h"
 #include "raven2_trainer/faults/arming.h"
 #include "raven2_trainer/loop/fault_director.h"
+#include "ros/bridge/hazard_refusal.h"
 #include "ros/node/fill_response.h"
 
 namespace raven2_trainer::ros_bridge {
@@ -34,34 +33,11 @@ void Services::offerCommands(ros::NodeHandle* node) {
 
 std::vector<std::string> Services::names() const {
   std::vector<std::string> names;
-  for (const ros::ServiceServer* server :
-       {&start_hazard_, &inject_hazard_, &stop_hazard_, &engage_, &disengage_, &pause_, &set_collisions_[0], &set_collisions_[1]}) {
+  for (const ros::ServiceServer* server : {&start_hazard_, &inject_hazard_, &stop_hazard_, &engage_, &disengage_,
+                                           &pause_, &set_collisions_[0], &set_collisions_[1]}) {
     if (*server) names.push_back(server->getService());
   }
   return names;
-}
-
-/** @throw ConfigException if it may not be armed, with what it would take. */
-void Services::refuseInjection(std::uint32_t id) const {
-  const TrainerConfig& config = simulator_.config();
-  if (!config.injection.enable) throw ConfigException("injection is not enabled (config/injection.yaml)");
-  const RobotState robot = simulator_.shared().robot.load();
-  if (id == 0 || robot.frame == 0 || robot.is_virtual != 0) return;
-  if (!config.injection.real_robot) throw ConfigException("a real robot is connected: nothing is armed");
-  for (const Fault& fault : config.scenarios[id - 1].faults) {
-    if (fault.host == FaultHost::kRobot)
-      throw ConfigException("a real robot is connected: nothing is injected into its own software");
-  }
-}
-
-/** @throw ConfigException if it would act at once, on a robot that is missing. */
-void Services::refuseWithoutRobot(std::uint32_t id) const {
-  if (id == 0 || simulator_.shared().robot.load().connected != 0) return;
-  const std::vector<Fault>& rows = simulator_.config().scenarios[id - 1].faults;
-  const bool acts = std::any_of(rows.begin(), rows.end(), [](const Fault& row) {
-    return row.host == FaultHost::kMaster || row.host == FaultHost::kConsole;
-  });
-  if (!acts) throw ConfigException("no robot is connected: this hazard acts on the robot alone");
 }
 
 bool Services::startHazard(StartHazard::Request& request, StartHazard::Response& response) {
@@ -76,15 +52,14 @@ bool Services::arm(FaultOrder order, const StartHazard::Request& request, StartH
   StartHazard::Response& response = *answer;
   try {
     const std::uint32_t id = config::faultId(simulator_.config(), request.name);
-    refuseInjection(id);
-    if (order == FaultOrder::kArmAtOnce) refuseWithoutRobot(id);
+    refuseHazard(simulator_.config(), simulator_.shared().robot.load(), id, order);
     const FaultPlan wanted = faults::planFor(simulator_.config(), id, 0);
     if (!loop::FaultDirector::fits(simulator_.shared().faults.load(), wanted))
       throw ConfigException("too many faults are armed: stop_hazard first");
     response.success = id != 0 && simulator_.shared().fault_requests.tryPush({order, id});
-    response.message = !response.success             ? "nothing to arm"
+    response.message = !response.success           ? "nothing to arm"
                        : order == FaultOrder::kArm ? "armed; it waits for its trigger"
-                                                     : "the hazard acts";
+                                                   : "the hazard acts";
   } catch (const ConfigException& e) {
     response.success = false;
     response.message = e.what();

@@ -30,8 +30,6 @@ class Services {
 
  private:
   void offerCommands(ros::NodeHandle* node);
-  void refuseInjection(std::uint32_t id) const;
-  void refuseWithoutRobot(std::uint32_t id) const;
   bool startHazard(StartHazard::Request& request, StartHazard::Response& response);
   bool injectHazard(StartHazard::Request& request, StartHazard::Response& response);
   bool arm(FaultOrder order, const StartHazard::Request& request, StartHazard::Response* answer);

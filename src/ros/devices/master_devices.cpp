@@ -18,6 +18,7 @@
 
 #include "ros/devices/force_messages.h"
 #include "ros/devices/force_readers.h"
+#include "ros/devices/fresh_force.h"
 #include "ros/devices/master_device_messages.h"
 #include "ros/devices/master_device_reader.h"
 #include "ros/devices/master_status.h"
@@ -39,7 +40,6 @@ constexpr std::uint32_t kNewestPose = 1;  // [messages] poses: an old one is wor
 constexpr std::uint32_t kEvents = 100;    // [messages] each press of a button counts
 constexpr double kSettle = 2.0;           // [s] connections are made in
 constexpr double kForceNewsPeriod = 0.1;  // [s] who reads forces is looked at
-constexpr auto kForceLifetime = 50ms;     // a force not renewed is gone, as at the console (sources.md 2.2)
 constexpr int kGoodbyes = 5;              // messages of no force at the end, 5 ms apart
 constexpr int kMostGoodbyes = 50;         // the same to a hand that goes on: 250 ms of the Supervisor's 500
 
@@ -111,27 +111,6 @@ ros::Publisher advertiseForce(ros::NodeHandle* node, DeviceFamily family, const 
   return topic.empty() || form.advertise == nullptr ? ros::Publisher() : form.advertise(node, topic, readers);
 }
 
-/** The newest force of the console, until it is too old. */
-class FreshForce {
- public:
-  explicit FreshForce(const StateCell<DeviceForce>& cell) : cell_(cell) {}
-
-  DeviceForce take() {
-    const Clock::time_point now = Clock::now();
-    const std::uint64_t version = cell_.version();
-    if (version != version_) updated_ = now;
-    version_ = version;
-    DeviceForce out = cell_.load();
-    if (now - updated_ > kForceLifetime) out.force = {};
-    return out;
-  }
-
- private:
-  const StateCell<DeviceForce>& cell_;
-  std::uint64_t version_{0};
-  Clock::time_point updated_{};
-};
-
 /** News for the operator, by the thread that writes them. */
 struct DeviceNews {
   OperatorLines of_spinner, of_publisher;
@@ -158,9 +137,10 @@ class Device {
 
   Arm arm() const noexcept { return arm_; }
 
-  void press() {
+  /** @param[in] time [s] of a clock. */
+  void press(double time) {
     if (!publisher_) return;
-    const DeviceForce out = force_.take();
+    const DeviceForce out = force_.take(time);
     if (!isDue(out)) return;
     last_ = out;
     if (isAbsoluteMissing()) last_.force = {};
@@ -356,7 +336,7 @@ struct MasterDevices::Impl {
       const double time = secondsSince(started);
       pedal->say();
       for (const auto& device : devices)
-        device->press();
+        device->press(time);
       if (time - readers_reported >= kForceNewsPeriod) reportReaders(time);
       if (time - diagnosed >= kDiagnosticsPeriod) diagnose(time);
     }

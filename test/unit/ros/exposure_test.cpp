@@ -11,6 +11,9 @@
 #include <string>
 #include <vector>
 
+#include "raven2_trainer/core/exceptions.h"
+#include "raven2_trainer/ros/parameters.h"
+
 namespace raven2_trainer::ros_bridge {
 namespace {
 
@@ -69,6 +72,18 @@ TEST_F(Exposure, ANetworkCommandsOnlyWhereTheConfigurationAllowsIt) {
     EXPECT_EQ(mayCommand(false), is_local);
     EXPECT_TRUE(mayCommand(true));
   }
+}
+
+TEST_F(Exposure, ANetworkOverridesTheConfigurationOnlyWhereItAllowsThat) {
+  const config::Overrides some{{"haptics/tolerance", "0.005", "ROS parameter /x"}};
+  for (const char* address : {"127.0.0.1", "192.168.1.7"}) {
+    set("ROS_IP", address);
+    EXPECT_NO_THROW(checkParameters({}, false));
+    EXPECT_NO_THROW(checkParameters(some, true));
+  }
+  EXPECT_THROW(checkParameters(some, false), ConfigException);
+  set("ROS_IP", "127.0.0.1");
+  EXPECT_NO_THROW(checkParameters(some, false));
 }
 
 TEST_F(Exposure, AMasterOfThisComputerKeepsTheNodeToTheLoopbackAddress) {

@@ -13,6 +13,7 @@
 #include "ros/crtk/crtk_messages.h"
 #include "ros/devices/force_messages.h"
 #include "ros/devices/force_readers.h"
+#include "ros/devices/fresh_force.h"
 #include "ros/devices/master_device_messages.h"
 #include "ros/devices/master_device_reader.h"
 #include "ros/devices/master_status.h"
@@ -160,6 +161,9 @@ TEST(DeviceReader, ReadsAnOmnisStateAndButtonsUnderAnyPackagesName) {
     ASSERT_TRUE(reader.buttons(receivedAs(type, event), 0));
     EXPECT_EQ(reader.sample().buttons, 2U);
   }
+  event.grey_button = 2;  // a click that has ended
+  ASSERT_TRUE(reader.buttons(receivedAs("omni_msgs/OmniButtonEvent", event), 0));
+  EXPECT_EQ(reader.sample().buttons, 2U);
   event = {};
   event.grey_button = 1;
   ASSERT_TRUE(reader.buttons(receivedAs("phantom_omni/PhantomButtonEvent", event), 0));
@@ -219,6 +223,8 @@ TEST(DeviceReader, ReadsAGamepad) {
   EXPECT_EQ(reader.sample().buttons, 32U);
   EXPECT_EQ(reader.sample().axis_count, 2U);
   EXPECT_EQ(reader.sample().axes[1], -1.0);
+  ASSERT_TRUE(reader.pose(received(joyOf({2, 1}))));  // 2: a click that has ended
+  EXPECT_EQ(reader.sample().buttons, 2U);
   ASSERT_TRUE(reader.pose(received(joyOf({}, std::vector<float>(20, 0.25F)))));
   EXPECT_EQ(reader.sample().buttons, 0U);
   EXPECT_EQ(reader.sample().axis_count, 8U);
@@ -254,6 +260,9 @@ TEST(PedalTopic, IsAButtonOfAJoy) {
   EXPECT_TRUE(held);
   EXPECT_TRUE(readJoyButton(received(joyOf({1, 0})), 1, &held));
   EXPECT_FALSE(held);
+  EXPECT_TRUE(readJoyButton(received(joyOf({0, 1})), 1, &held));
+  EXPECT_TRUE(readJoyButton(received(joyOf({0, 2})), 1, &held));
+  EXPECT_FALSE(held) << "2 is a click that has ended";
   EXPECT_FALSE(readJoyButton(received(joyOf({1, 0})), 2, &held));
   EXPECT_FALSE(readJoyButton(received(std_msgs::String()), 0, &held));
 }
@@ -276,6 +285,20 @@ TEST(OperatorLinesTest, ComeOutInOrderAndSayHowManyDidNot) {
   lines.say(std::string(2000, 'x'));
   ASSERT_TRUE(lines.next(&line));
   EXPECT_EQ(line, std::string(504, 'x'));
+}
+
+TEST(FreshForceTest, WhatTheConsoleDoesNotRenewIsNoForce) {
+  StateCell<DeviceForce> cell;
+  FreshForce force(cell);
+  const Vec3 pressed{1.0, 0.0, 0.0}, place{2.0, 3.0, 4.0}, none{};
+  for (const double start : {10.0, 20.0}) {
+    cell.store({pressed, place, 1, 1});
+    for (const double age : {0.0, 0.049, 0.051, 1.0}) {
+      const DeviceForce out = force.take(start + age);
+      EXPECT_EQ(out.force, age < 0.05 ? pressed : none) << age;
+      EXPECT_EQ(out.position, place) << "its driver holds a device that is locked there";
+    }
+  }
 }
 
 TEST(RestWatchTest, ADeviceRestsThatHasNotMovedForAMoment) {
