@@ -50,10 +50,12 @@ def is_loopback(address):
 
 
 class Access:
-    """@param password_hash: of make_hash(); None on loopback alone. @param file: keeps logins over a restart of the station."""
+    """@param password_hash: of make_hash(); None on loopback alone. @param file: keeps logins over a restart of the station,
+    but not over a change of the password."""
 
     def __init__(self, password_hash, file=None):
         self._hash, self._file = password_hash, file and pathlib.Path(file)
+        self._password = hashlib.sha256((password_hash or "").encode()).hexdigest()  # a new one ends all logins
         self._logins = self._read()
         self._wrong = []
         self._checks = threading.Lock()
@@ -67,8 +69,10 @@ class Access:
             if self._file is None or self._file.stat().st_mode & 0o077:
                 return {}
             content = json.loads(self._file.read_text(encoding="utf-8"))
-            return {str(k): float(v) for k, v in content.items() if v > time.time()}
-        except (OSError, ValueError, AttributeError, TypeError):
+            if content["password"] != self._password:
+                return {}
+            return {str(k): float(v) for k, v in content["logins"].items() if v > time.time()}
+        except (OSError, ValueError, AttributeError, TypeError, KeyError):
             return {}
 
     def _write(self):
@@ -79,7 +83,7 @@ class Access:
         try:
             self._file.parent.mkdir(parents=True, exist_ok=True)
             with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600), "w", encoding="utf-8") as out:
-                json.dump(self._logins, out)
+                json.dump({"password": self._password, "logins": self._logins}, out)
             os.replace(part, self._file)
         except OSError as error:
             print(f"{self._file}: cannot be written: {error.strerror}; after a restart, log in again", file=sys.stderr)

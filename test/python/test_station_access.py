@@ -6,7 +6,7 @@ import sys
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import access  # noqa: E402
+from raven2_station import access, server  # noqa: E402
 
 
 def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypatch):
@@ -21,6 +21,13 @@ def test_a_login_is_known_until_it_ends_also_after_a_restart(tmp_path, monkeypat
     now = access.time.time()
     monkeypatch.setattr(access.time, "time", lambda: now + access.LIFETIME + 1)
     assert not door.knows(token)
+
+
+def test_a_new_password_ends_all_logins(tmp_path):
+    file, first, second = tmp_path / "logins.json", access.make_hash("a"), access.make_hash("b")
+    token = access.Access(first, file).login()
+    assert access.Access(first, file).knows(token) and first not in file.read_text()
+    assert not access.Access(second, file).knows(token) and not access.Access(None, file).knows(token)
 
 
 def test_a_login_holds_on_a_full_disk_until_the_station_ends(tmp_path, capsys):
@@ -60,13 +67,20 @@ def test_an_origin_that_is_no_address_is_foreign():
 
 def test_origins_and_names():
     assert access.same_origin("http://localhost:8080", "localhost:8080")
-    for origin in (None, "", "null", "http://evil.example", "http://localhost:8081", "https://localhost:8080.evil.example"):
+    for origin in (None, "", "null", "http://evil.example", "http://localhost:8081", "https://localhost:8080.evil.example",
+                   "http://evillocalhost:8080", "http://x@localhost:8080"):
         assert not access.same_origin(origin, "localhost:8080")
     for host in ("localhost:8080", "127.0.0.1:8080", "[::1]:8080", "localhost"):
         assert access.is_local_name(host)
     for host in ("evil.example:8080", "127.0.0.1.evil.example", ""):
         assert not access.is_local_name(host)
     assert access.is_loopback("127.0.0.5") and not access.is_loopback("0.0.0.0")
+
+
+def test_a_report_may_run_its_scripts_but_not_as_the_station():
+    """With allow-same-origin a script in it could use the instructor's login."""
+    rules = [rule.split() for rule in server.REPORT_POLICY.split(";")]
+    assert ["sandbox", "allow-scripts", "allow-popups"] in rules and ["default-src", "'none'"] in rules
 
 
 def test_wrong_passwords_at_the_same_time_count_too(monkeypatch):
