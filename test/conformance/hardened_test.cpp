@@ -202,6 +202,24 @@ TEST(Hardened, ASignedPacketIsUsedByAnUnmodifiedRaven) {
   EXPECT_EQ(robot.level(), RunLevel::kPedalDown);
 }
 
+TEST(Hardened, AHelloOfAnotherKeyIsCountedAndNotAnswered) {
+  std::array<std::uint8_t, wire::ItpKey::kSize> other{};
+  other[0] = 1;
+  const wire::ItpKey key(std::array<std::uint8_t, wire::ItpKey::kSize>{});
+  VirtualRavenConfig config = hardened();
+  config.itp.auth = ItpAuth::kRequired;
+  raven::ControlSoftware software(packaged().arms, config, &key);
+  wire::HandshakeBytes reply;
+  const auto hello = [&](const wire::ItpKey& of) {
+    const wire::HandshakeBytes bytes = wire::encodeHello(of, wire::Audience::kRobot, wire::Nonce{});
+    return software.receive(bytes.data(), bytes.size(), 0, wire::Nonce{}, &reply);
+  };
+  EXPECT_FALSE(hello(wire::ItpKey(other)));
+  EXPECT_EQ(software.state().itp.rejected[static_cast<std::size_t>(Reject::kBadSignature)], 1U);
+  EXPECT_EQ(software.state().itp.received, 1U);
+  EXPECT_TRUE(hello(key));
+}
+
 TEST(Hardened, APacketBehindLostOnesIsUsedAndItsNumberReported) {
   Robot robot(hardened());
   introduceAndEngage(&robot);

@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/raven/drives.h"
@@ -100,6 +102,35 @@ TEST(DetectorRates, NoAlarmWithoutAFault) {
   // 5 s of both arms from each seed. An alarm is a size above 1; without a fault the size must stay below half of that.
   EXPECT_GT(largest, 0.0);
   EXPECT_LT(largest, 0.5);
+}
+
+/** The packaged thresholds are of 600 runs. Few and short ones have the same order of size. */
+TEST(DetectorLearning, EachAxisOfEachArmGetsThresholdsOfItsOwnForEitherRule) {
+  testing::useOde();
+  const TrainerConfig config = testing::packagedConfig();
+  const studies::Learned learned = studies::learnDetector(config, {8, 1, 3000, 8, 99.9}, [](double) {});
+  EXPECT_EQ(learned.runs, 8);
+  const std::string text = studies::detectorYaml(learned, "a test");
+  std::size_t from = 0;
+  for (const Arm arm : kArms) {
+    from = text.find(std::string(name(arm)) + ":\n", from);
+    for (std::size_t i = 0; i < detector::kAxes; ++i) {
+      const DetectorAxis &axis = at(learned.detector.axes, arm)[i], &shipped = at(config.detector.axes, arm)[i];
+      for (const auto member : {&DetectorThresholds::acceleration, &DetectorThresholds::motor_velocity,
+                                &DetectorThresholds::joint_velocity}) {
+        EXPECT_NEAR(std::log(axis.published.*member / (shipped.published.*member)), 0.0, std::log(4.0))
+            << name(arm) << i;
+        EXPECT_NEAR(std::log(axis.departure.*member / (shipped.departure.*member)), 0.0, std::log(4.0))
+            << name(arm) << i;
+      }
+      EXPECT_NE(axis.departure.motor_velocity, at(learned.detector.axes, otherArm(arm))[i].departure.motor_velocity);
+      std::array<char, 64> expected{};
+      std::snprintf(expected.data(), expected.size(), "departure: {acceleration: %.5g,", axis.departure.acceleration);
+      from = text.find("departure:", from + 1);
+      ASSERT_NE(from, std::string::npos);
+      EXPECT_EQ(text.substr(from, std::string(expected.data()).size()), expected.data());
+    }
+  }
 }
 
 TEST(DetectorRates, SameSeedSameOutcomes) {

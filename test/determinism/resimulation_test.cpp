@@ -309,6 +309,25 @@ TEST_F(ResimulationTest, NamesAReportThatIsNotThatOfItsExecution) {
   EXPECT_TRUE(resimulate(without).difference);
 }
 
+TEST_F(ResimulationTest, NamesAContactThatIsNotThatOfItsTick) {
+  Tick changed = -1;
+  for (const bool is_there : {true, false}) {
+    changed = -1;
+    const auto other = rewritten<ContactRecord>(is_there ? "contact" : "no_contact", [&](ContactRecord& record) {
+      if (changed >= 0) return true;
+      changed = record.tick;
+      record.f_W[2] = std::nextafter(record.f_W[2], 1e9);
+      return is_there;
+    });
+    ASSERT_GE(changed, 0);
+    const recording::ResimulationResult result = resimulate(other);
+    ASSERT_TRUE(result.difference);
+    EXPECT_EQ(result.difference->tick, changed);
+    EXPECT_EQ(result.difference->field.rfind(is_there ? "contact.f_W[2]" : "contact.", 0), 0U)
+        << result.difference->field;
+  }
+}
+
 TEST_F(ResimulationTest, NamesAnEventOfAnExerciseThatDoesNotHappenAgain) {
   const auto keep = [](ExerciseRecord&) { return true; };
   const auto other = rewritten<ExerciseRecord>("event", keep, [](Tick tick, session::LogWriter& log) {

@@ -43,7 +43,8 @@ class CrtkRaven(unittest.TestCase):
         kinds = {"/state_command": StringStamped, "/arm1/state_command": StringStamped, "/arm1/servo_cp": TransformStamped,
                  "/arm1/servo_cr": TransformStamped, "/arm2/servo_cr": TransformStamped, "/arm1/servo_jr": JointState,
                  "/arm1/servo_jv": JointState, "/arm1/servo_jp": JointState, "/grasp1/servo_jr": JointState,
-                 "/grasp1/servo_jv": JointState, "/grasp1/servo_jp": JointState, "/grasp1/move_jp": JointState}
+                 "/grasp2/move_jp": JointState, "/grasp1/servo_jv": JointState, "/grasp1/servo_jp": JointState,
+                 "/grasp1/move_jp": JointState}
         cls.say = {topic: rospy.Publisher(topic, kind, queue_size=1, latch=True) for topic, kind in kinds.items()}
         cls.say["/arm1/state_command"].publish(StringStamped(string="resume"))  # the client's first line; latched
         until(lambda: all(p.get_num_connections() for p in cls.say.values()), 40, "all topics")
@@ -156,6 +157,16 @@ class CrtkRaven(unittest.TestCase):
         for word, state in (("resume", "ENABLED"), ("pause", "PAUSED")):
             self.say["/state_command"].publish(StringStamped(string=word))
             until(lambda state=state: self.states[-1].state == state and both and both[-1].state == state, 5, state)
+        self.say["/state_command"].publish(StringStamped(string="resume"))
+        until(lambda: self.states[-1].state == "ENABLED" and both[-1].state == "ENABLED", 5, "resumed")
+        rospy.sleep(1.0)
+        # WHEN the other arm alone is busy
+        begin = len(both), len(self.states)
+        start = self.next("/grasp2/setpoint_js", JointState).position[0]
+        self.say["/grasp2/move_jp"].publish(JointState(position=[start + (0.5 if start < 0.7 else -0.5)]))
+        until(lambda: any(m.is_busy for m in both[begin[0]:]), 5, "busy")
+        until(lambda: not both[-1].is_busy, 20, "not busy any more")
+        self.assertFalse(any(m.is_busy for m in self.states[begin[1]:]), "the first arm")
         subscriber.unregister()
 
 

@@ -84,6 +84,8 @@ class Execute(unittest.TestCase):
         self.assertEqual((report.end, report.error_code), ("finished", SUCCESS))
         self.assertEqual((report.plan, report.arm, report.on_robot), (plan.plan, "gold", True))
         self.assertEqual(report.contact_ticks, 0)
+        self.assertAlmostEqual(plan.clearance, report.planned_clearance, delta=1e-9)
+        self.assertGreater(plan.clearance, 0.0)
         self.assertGreater(report.robot_error_largest, 0.0, "the report covers the robot's tip")
         time.sleep(0.2)
         self.assert_at(self.daemon.robot, self.away, "the robot is not at the goal")
@@ -164,6 +166,9 @@ class Execute(unittest.TestCase):
         errors = [m.robot_error for m in told if m.progress.status == "executing"]
         self.assertGreater(max(errors), 0.0)
         self.assertLess(max(errors), 0.02, "[m] deviation_limit plus the lag of the robot's state")
+        of_model = [m.model_error for m in told if m.progress.status == "executing"]
+        self.assertGreater(max(of_model), 0.0)
+        self.assertNotEqual(of_model, errors, "model and robot have an error each")
         time.sleep(0.2)
         self.assert_at(self.daemon.robot, self.home, "the robot is not at the goal")
 

@@ -122,15 +122,15 @@ class Bridge:
 class Mover(threading.Thread):
     """A surgeon: pedal down and small steps to and fro, about one packet a millisecond, until stopped."""
 
-    def __init__(self, master):
+    def __init__(self, master, way=20):
         super().__init__(daemon=True)
-        self._master = master
+        self._master, self._way = master, way  # um
         self._stop_it = threading.Event()
 
     def run(self):
         step = 0
         while not self._stop_it.is_set():
-            way = 20 if step % 400 < 200 else -20
+            way = self._way if step % 400 < 200 else -self._way
             self._master.send(1, (way, way, 0))
             step += 1
             time.sleep(0.001)
@@ -233,6 +233,26 @@ class Links(unittest.TestCase):
         while publisher.get_num_connections() == 0 and time.monotonic() < deadline:
             time.sleep(0.01)
         self.assertEqual(publisher.get_num_connections(), 1)
+        self.ready()
+        still = Mover(self.master, way=0)
+        still.start()
+        self.assertIsNotNone(self.robot.wait(lambda s: s.runlevel == PEDAL_DN))
+        before = self.robot.states[-1].q
+        move = raven_automove()
+        move.tf_incr[0].translation.z = 200  # um, as the increments of ITP
+        for transform in move.tf_incr:
+            transform.rotation.w = 1
+        for _ in range(20):
+            publisher.publish(move)
+            time.sleep(0.01)
+
+        def way(state, arm):
+            return max(abs(a - b) for a, b in zip(state.q[arm][:3], before[arm][:3]))
+
+        self.assertIsNotNone(self.robot.wait(lambda s: way(s, 0) > 1e-3, 10), "an automove moves nothing")
+        self.assertLess(way(self.robot.states[-1], 1), 5e-4, "the other arm")
+        still.stop()
+        self.ready()
         publisher.unregister()
 
     def test_07_the_bridge_serves_what_the_robot_itself_serves_and_rosbag_records_it(self):
@@ -287,6 +307,9 @@ class Links(unittest.TestCase):
             messages = [m for _, m, _ in bag.read_messages("/ravenstate")]
             info = bag.get_type_and_topic_info()[1]["/ravenstate"]
         self.assertEqual(info.msg_type, "raven_2/raven_state")
+        self.assertGreater(min(m.dt.to_sec() for m in messages), 0.0)
+        same = [abs((b.hdr.stamp - a.hdr.stamp - b.dt).to_sec()) < 1e-6 for a, b in zip(messages, messages[1:])]
+        self.assertGreater(sum(same), 0.5 * len(same), "dt is the time since the message before; the recorder may lose some")
         self.assertGreater(len(messages), 1000)
         bridge = Bridge("/replay", 27146)
         run("rosbag", "play", "-q", "--queue=5000", "--rate=0.5", "--wait-for-subscribers", self.bag, "/ravenstate:=/replay")

@@ -251,12 +251,23 @@ class Masters(unittest.TestCase):
         self.check_release(release)
         return self.check_end(press, release)
 
+    def check_rates(self):
+        """Poses a second, in the diagnostics of this session: each as the driver sends them."""
+        rates = [float(v.value) for m in self.diagnostics for s in m.status for v in s.values if v.key == "poses_per_second"]
+        print("poses a second:", rates)
+        self.assertGreater(len(rates), 5)
+        self.assertLess(max(rates), 400, "a driver sends 250")
+
     def test_omni_pair(self):
+        self.diagnostics = []
+        heard = rospy.Subscriber("/diagnostics", DiagnosticArray, self.diagnostics.append)
+        self.addCleanup(heard.unregister)
         left, right = Omni("left"), Omni("right")
         self.begin("omni_pair", [left, right])
         said = self.run_family((RIGHT, FORWARD, minus(DOWN)), 0.1, lambda: right.press(1), lambda: right.press(0))
         self.assertIn(f"left: force on /left/force_feedback, read by 1: {rospy.get_name()}", said)
         self.assertIn("let go", said)
+        self.check_rates()
         for driver in (left, right):  # the last message, with zero force, does not pull a device that locks
             self.assertLess(math.dist(driver.held_at, driver.position), 0.001)
             self.assertGreater(math.hypot(*driver.position), 0.003)

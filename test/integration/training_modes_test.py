@@ -17,7 +17,7 @@ import rostest
 from pedal_stops import PEDAL_DN, PEDAL_UP, newest_session
 from planning_clients import Console, Newest, until
 from robot_frames import connect
-from sensor_msgs.msg import Image, Joy
+from sensor_msgs.msg import CompressedImage, Image, Joy
 from std_srvs.srv import SetBool
 from training_clients import Trainer
 
@@ -48,14 +48,21 @@ class Repeater(threading.Thread):
 
 
 class View:
-    """Sizes of the pictures of view/image_raw, with the time of their receipt."""
+    """Sizes of the pictures of view/image_raw, with the time of their receipt, and the compressed ones' frames."""
 
     def __init__(self):
-        self.seen = []
-        self._subscriber = rospy.Subscriber("view/image_raw", Image, self._hear, queue_size=2)
+        self.seen, self.frames = [], []
+        self._subscribers = [
+            rospy.Subscriber("view/image_raw", Image, self._hear, queue_size=2),
+            rospy.Subscriber("view/image_raw/compressed", CompressedImage, lambda m: self.frames.append(m.header.frame_id))]
 
     def _hear(self, picture):
         self.seen.append((time.monotonic(), (picture.width, picture.height)))
+
+    def frames_within(self, seconds):
+        first, end = len(self.frames), time.monotonic() + seconds
+        until(lambda: time.monotonic() > end and len(self.frames) >= first + 5, 20, "five compressed pictures")
+        return set(self.frames[first:])
 
     def await_size(self, size, seconds=5):
         """@return when the next picture of this size came."""
@@ -70,7 +77,8 @@ class View:
         return {size for _, size in self.seen[first:]}
 
     def close(self):
-        self._subscriber.unregister()
+        for subscriber in self._subscribers:
+            subscriber.unregister()
 
 
 def real_picture():
@@ -207,6 +215,7 @@ class TrainingModes(unittest.TestCase):
         self.assertEqual(self.trainer.call("set_view", True), "accepted")
         self.view.await_size(REAL)
         self.assertEqual(self.view.sizes_within(0.5), {REAL})
+        self.assertEqual(self.view.frames_within(0.5), {""}, "those of the test's camera")
         # WHEN the camera is silent
         self.camera.on = False
         stood_in = self.view.await_size(VIRTUAL)
@@ -215,6 +224,7 @@ class TrainingModes(unittest.TestCase):
         self.assertGreater(silent, SILENCE - 0.01)
         self.assertLess(silent, SILENCE + 1.0)
         self.assertEqual(self.view.sizes_within(0.5), {VIRTUAL})
+        self.assertEqual(self.view.frames_within(0.5), {"endoscope_optical_frame"})
         # WHEN it is back
         self.camera.on = True
         self.view.await_size(REAL)

@@ -2,6 +2,7 @@
 
 import os
 import pathlib
+import socket
 import subprocess
 
 import pytest
@@ -51,6 +52,24 @@ def test_the_last_line_says_that_a_log_cannot_be_written(common, tmp_path):
     assert done.returncode == 1 and done.stdout == ""
     last = done.stderr.splitlines()[-1]
     assert last.startswith(f"raven2_trainer: {tmp_path}/build/logs/install.log cannot be written"), done.stderr
+
+
+def test_a_step_that_fails_ends_the_script_with_its_reason(common, tmp_path):
+    done = common("step build build.log sh -c 'echo one; echo \"file.cpp:3: error: no such thing\"; exit 3'; echo went on")
+    assert done.returncode == 1 and done.stdout == ""
+    last = done.stderr.splitlines()[-1]
+    assert "file.cpp:3: error: no such thing" in last and f"see {tmp_path}/build/logs/build.log" in last
+
+
+@pytest.mark.parametrize("name, kind", [("udp", socket.SOCK_DGRAM), ("tcp", socket.SOCK_STREAM)])
+def test_a_port_that_is_taken_is_not_chosen(common, name, kind):
+    with socket.socket(socket.AF_INET, kind) as own:
+        own.bind(("127.0.0.1", 0))
+        taken = own.getsockname()[1]
+        chosen = common(f"free_port {name} {taken}").stdout.strip()
+        assert chosen.isdigit() and int(chosen) != taken
+    assert int(common(f"free_port {name} {taken}").stdout) == taken
+    assert int(common(f"free_port {name} {taken} {taken}").stdout) != taken, "another program of the session has it"
 
 
 def test_ros_is_for_this_computer_whatever_the_user_has_set(common, tmp_path):

@@ -403,6 +403,13 @@ def test_the_loops_rhythm_is_what_timing_check_says(here, place, share, status, 
     assert f"physics {100 * float(share):.2f} %" in only(machine.timing(here), expected).what
 
 
+@pytest.mark.parametrize("late", ["physics", "haptic"])
+def test_one_loop_that_is_late_is_enough(here, place, late):
+    figures = json.dumps({loop: {"on_time": 0.90 if loop == late else 0.999} for loop in ("physics", "haptic")})
+    script(place / "build/devel/lib/raven2_trainer/timing_check", f"while [ \"$1\" != --json ]; do shift; done\necho '{figures}' >\"$2\"\n")
+    assert f"{late} 90.00 %" in only(machine.timing(here), WARN).what
+
+
 def test_a_timing_check_that_breaks_is_told(here, place):
     script(place / "build/devel/lib/raven2_trainer/timing_check", "echo 'trainer.yaml:3: unknown key'; exit 1\n")
     assert "unknown key" in only(machine.timing(here), FAIL).what

@@ -1,6 +1,7 @@
 """Exit codes of the programs, as doc/interfaces.md lists them. Other tests cover the codes that need a session or a
 robot."""
 
+import csv
 import os
 import pathlib
 import re
@@ -25,11 +26,35 @@ def run(name, *arguments, stdin="", **environment):
     return done.returncode, done.stderr.splitlines()
 
 
+def test_one_promise_that_was_not_kept_is_the_exit_code_of_scripts_soak():
+    text = (ROOT / "scripts/soak").read_text(encoding="utf-8")
+    module = {}
+    exec(text[text.index("class Judge"):text.index("def sample")], module)  # noqa: S102  (without the rest, which draws)
+    judge = module["Judge"]()
+    judge.check(True, "memory is flat", "0.0 MiB/h")
+    assert judge.held()
+    judge.check(False, "no tick is lost", "3 lost")
+    judge.check(True, "the log is whole", "yes")
+    assert not judge.held() and "FAIL  no tick is lost: 3 lost" in str(judge)
+    assert re.search(r"return 0 if \w+\.held\(\) else 1", text)
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_help_and_version_are_done_and_an_unknown_option_is_told(name):
     assert run(name, "--help")[0] == run(name, "--version")[0] == DONE
     code, told = run(name, "--no-such-option")
     assert 100 <= code <= 127 and told
+
+
+def test_the_table_of_evaluate_detector_has_a_row_a_run(tmp_path):
+    code, _ = run("evaluate_detector", "--input-starts", 0, "--torque-starts", 1, "--add-starts", 0, "--output", tmp_path / "runs.csv")
+    with open(tmp_path / "runs.csv", encoding="ascii") as file:
+        rows = [{key: float(value) for key, value in row.items() if key not in ("scenario", "kind")} for row in csv.DictReader(file)]
+    assert code == DONE and [row["length"] for row in rows] == list(range(1, 20))
+    unsafe = [row for row in rows if row["unsafe"]]
+    assert unsafe and all(0 <= row["decided_ms"] <= row["harmed_ms"] for row in unsafe)
+    assert any(row["decided_ms"] < row["harmed_ms"] for row in unsafe), "it is decided before the harm"
+    assert all(row["decided_ms"] == -1 for row in rows if not row["unsafe"])
 
 
 @pytest.mark.parametrize("arguments, code", [

@@ -285,16 +285,30 @@ def test_the_robot_is_as_it_was_known(bag, log, told):
 
 @built
 def test_tips_and_forces_are_the_log_s_to_the_last_bit(bag, told, log):
-    for (message, _), tick in zip(bag["/model/green/measured_cp"], told, strict=True):
-        point, angle = message.pose.position, message.pose.orientation
-        assert (point.x, point.y, point.z) == tuple(tick["arms"][1]["p_BT"])
-        assert (angle.x, angle.y, angle.z, angle.w) == tuple(tick["arms"][1]["q_BT"])
-        assert message.header.frame_id == "model/base_link_R"
     haptic = log.haptic["haptic"]
     newest = np.searchsorted(haptic["tick"], told["tick"], side="right") - 1
-    for (message, _), force_B in zip(bag["/haptic/gold/force"], haptic["force_B"][newest], strict=True):
-        force = message.wrench.force
-        assert (force.x, force.y, force.z) == tuple(force_B[0])
+    for i, (arm, base) in enumerate((("gold", "L"), ("green", "R"))):
+        for (message, _), tick in zip(bag[f"/model/{arm}/measured_cp"], told, strict=True):
+            point, angle = message.pose.position, message.pose.orientation
+            assert (point.x, point.y, point.z) == tuple(tick["arms"][i]["p_BT"])
+            assert (angle.x, angle.y, angle.z, angle.w) == tuple(tick["arms"][i]["q_BT"])
+            assert message.header.frame_id == f"model/base_link_{base}"
+        for (message, _), force_B in zip(bag[f"/haptic/{arm}/force"], haptic["force_B"][newest], strict=True):
+            force = message.wrench.force
+            assert (force.x, force.y, force.z) == tuple(force_B[i])
+
+
+@built
+def test_markers_show_what_each_hand_feels(bag, log, told):
+    haptic = log.haptic["haptic"]
+    newest = haptic[np.searchsorted(haptic["tick"], told["tick"], side="right") - 1]
+    assert len(bag["/markers"]) > 10
+    for message, _ in bag["/markers"]:
+        assert {m.ns for m in message.markers} == {"contact_points", "contact_forces", "hand_forces"} and len(message.markers) == 4
+    shown = [{m.id: m.action == m.ADD for m in message.markers if m.ns == "hand_forces"} for message, _ in bag["/markers"]]
+    felt = (np.linalg.norm(newest["force_B"], axis=2) >= 1e-3).any(axis=0)
+    for arm in (0, 1):
+        assert any(ids[arm] for ids in shown) == felt[arm], arm
 
 
 @built

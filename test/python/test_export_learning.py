@@ -65,6 +65,13 @@ def ticks_of(session):
     return model[model["session_tick"] >= 0]
 
 
+def test_frames_come_at_the_rate_that_is_asked_for(sessions, tmp_path):
+    done = export(sessions["nominal"], "--format", "hdf5", "--fps", "10", "--output", tmp_path / "set.hdf5")
+    assert done.returncode == 0, done.stderr
+    with h5py.File(tmp_path / "set.hdf5") as file:
+        assert file["data"].attrs["fps"] == 10 and file["data/demo_0"].attrs["num_samples"] == 30  # of 3 s
+
+
 def test_each_split_has_its_session(data):
     demos, masks = data
     assert masks == {"nominal": ["demo_0"], "failure": ["demo_1"], "recovery": ["demo_2"]}
@@ -625,6 +632,9 @@ def test_a_session_with_another_reaction_is_another_session(tmp_path):
     loader.exec_module(module)
     names = {module.Run("peg_transfer", reaction, "own", "expert", 1, tmp_path).name for reaction in ("none", "250", "400")}
     assert len(names) == 3
+    words = module.Run("peg_transfer", "400", "own", "clumsy:dropper", 7, tmp_path).words
+    assert dict(zip(words[::2], words[1::2])) == {"--exercise": "peg_transfer", "--drill": "own", "--motion": "clumsy:dropper", "--reaction": "400",
+                                                  "--seed": 7, "--homing": "quick"}
 
 
 def test_shares_of_a_data_set_come_together(tmp_path):

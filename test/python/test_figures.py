@@ -51,6 +51,17 @@ def test_the_planned_motion_begins_and_ends_where_its_track_does(series):
     assert np.linalg.norm(motion["plan"][0] - motion["plan"][-1]) > 1e-2, "the planned motion is long"
 
 
+def test_a_planned_motion_of_the_green_arm_has_green_s_track(directory):
+    session = raven2_session.Session(directory)
+    session.log.plans = session.log.plans.copy()
+    session.log.plans["result"]["arm"] = 1
+    series = raven2_figures.Series(session)
+    motion = series.longest_tracking()
+    first, last = max(raven2_figures.runs(series.tracking), key=lambda span: span[1] - span[0])
+    assert motion["arm"] == "green"
+    assert np.array_equal(motion["track"], series.p_model[first:last + 1:raven2_figures.PATH_STEP, 1])
+
+
 @pytest.mark.parametrize("part, field", [("model", "robot_fresh"), ("model", "linked"), ("robot", "frame")])
 def test_without_a_fresh_linked_robot_there_is_no_error(part, field, directory, series):
     """A robot that is not heard any more keeps its last pose in the log."""

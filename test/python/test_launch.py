@@ -50,6 +50,15 @@ def test_an_exercise_runs_into_none_by_itself_and_all_programs_have_it():
     assert seen["master_console"]["--motion"] == seen["simulator"]["--motion-label"] == "expert"
 
 
+def test_all_programs_have_the_seed_and_the_arms_contacts():
+    seen = options("seed:=7", "arm_contacts:=off", "impair:=wifi", more=["impair"])
+    assert {of["--seed"] for of in seen.values()} == {"7"}
+    assert {of["--arm-contacts"] for name, of in seen.items() if name != "impair"} == {"off"}
+    seen = nodes(HARDWARE, "robot_host:=192.168.7.2", "seed:=7", "arm_contacts:=off", "console:=true")
+    assert set(seen) == {"master_console", "simulator"}
+    assert {(of["--seed"], of["--arm-contacts"]) for of in seen.values()} == {("7", "off")}
+
+
 def test_what_is_asked_for_counts():
     for of in options("exercise:=peg_transfer", "drill:=own", "hazard:=joint_drift").values():
         assert chosen(of) == ["peg_transfer", "own", "joint_drift"]

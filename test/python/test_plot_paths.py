@@ -87,6 +87,14 @@ def test_pictures_come_of_a_study(tmp_path, capsys):
         assert pathlib.Path(picture).stat().st_size > 20000
 
 
+def test_each_path_has_the_name_of_its_cost(tmp_path, monkeypatch):
+    write(tmp_path, "figure7.csv", [run(500, 1, 3.0, eta=(1, 0)), run(500, 1, 2.0, eta=(0, 1))])
+    drawn = []
+    monkeypatch.setattr(plot, "draw_paths", lambda plt, title, tracks, *rest: drawn.extend(label for _, _, label in tracks))
+    plot.figure7(None, str(tmp_path), [])
+    assert drawn == ["shortest path, 4 waypoints", "smoothest path, 4 waypoints"]
+
+
 def test_several_studies_make_one_picture(tmp_path, capsys):
     folders = []
     for name in ("easy", "hard", "impossible"):

@@ -12,8 +12,8 @@ BUILD = pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build"))
 GYMNASIUM = "gymnasium==1.4.0"
 
 CHECK = """
-import sys, warnings
-import numpy as np, gymnasium
+import sys, types, warnings
+import numpy as np, gymnasium, yaml
 from gymnasium.utils.env_checker import check_env
 warnings.simplefilter("error")
 import raven2_trainer.gym
@@ -65,6 +65,30 @@ for action in (np.zeros(7), np.zeros(1), np.zeros((1, 3)), ["0.1", "0", "0"], [N
     else:
         raise AssertionError(action)
 
+assert [env.reset(seed=1)[1]["steps_done"], *(env.step(np.zeros(3, np.float32))[3] for _ in range(100))][1:] == [False] * 99 + [True]
+
+# the arm that is asked for is the one that moves
+env = gymnasium.make("raven2_trainer/Reach-v0", arm="green", max_steps=50)
+env.reset(seed=1)
+before = np.array(env.unwrapped.simulation.state.tips_in_world)
+for _ in range(20):
+    env.step(np.array([0, 0, 1], np.float32))
+moved = np.linalg.norm(env.unwrapped.simulation.state.tips_in_world - before, axis=1)
+assert moved[1] > 0.02 and moved[0] < 0.01, moved  # from the random start both settle by some millimetres
+env.close()
+
+# A step is worth 1. A failure costs 1 and ends the episode.
+
+env = gymnasium.make("raven2_trainer/PegTransfer-v0").unwrapped
+
+simulation = env._simulation
+
+for status, done, expected in (("failed", 0, (-1.0, True)), ("failed", 1, (0.0, True)), ("running", 2, (2.0, False))):
+    env._simulation, env._done_before = types.SimpleNamespace(state=types.SimpleNamespace(exercise={"status": status})), 0
+    assert env._judge({"steps_done": done, "is_success": False}) == expected, status
+env._simulation = simulation
+env.close()
+
 # As long as surgeons have for the exercise; the judge's limit comes first.
 for name, seconds in (("RingTransfer", 300), ("PegTransfer", 300)):
     assert seconds < 0.02 * gymnasium.make(f"raven2_trainer/{name}-v0").unwrapped._max_steps < seconds + 2
@@ -102,6 +126,11 @@ assert all(np.array_equal(first[seed], episode(env, seed)) for seed in (7, 3, 5,
 for number in (1, 2):
     varied = raven2_trainer.gym.variation(number)["settings"]
     assert 0.35 <= varied["model/contact_mu"] <= 0.5 and varied["model/viscous_friction"].shape == (7,)
+with open(SOURCE + "/config/model.yaml", encoding="utf-8") as file:
+    model = yaml.safe_load(file)
+shares = np.concatenate([np.array([a / b for a, b in zip(raven2_trainer.gym.variation(n)["settings"][f"model/{name}"], model[name]) if b])
+                         for n in range(1, 31) for name in ("coulomb_friction", "viscous_friction")])
+assert 1 / 1.6 <= shares.min() < 0.8 and 1.25 < shares.max() <= 1.6 and 0.4 < np.mean(shares < 1) < 0.6, shares
 assert raven2_trainer.gym.variation(0) == {} and "plant" in raven2_trainer.gym.variation(1, robot="virtual")
 env.close()
 
@@ -179,7 +208,7 @@ def environment(tmp_path_factory):
 
 def test_the_environments_keep_gymnasiums_rules(python):
     environment = {**os.environ, "PYTHONPATH": str(BUILD / "devel/lib/python3/dist-packages")}
-    done = subprocess.run([python, "-c", CHECK], capture_output=True, text=True, env=environment, timeout=300, check=False)
+    done = subprocess.run([python, "-c", f"SOURCE = {str(ROOT)!r}\n{CHECK}"], capture_output=True, text=True, env=environment, timeout=300, check=False)
     assert done.returncode == 0 and "all good" in done.stdout, done.stderr[-3000:]
 
 

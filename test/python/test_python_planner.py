@@ -152,6 +152,27 @@ def test_planners_in_threads_plan_as_each_alone(home):
     assert alone == together and len(alone) == 4
 
 
+def test_other_seeds_give_other_paths(planner):
+    """Past the tower of config/problems/past_tower.yaml there is no straight way."""
+    beside = [0.1559, 1.6197, 0.3450, -1.6563, -0.9356, 1.4132, 0.1576]
+    plans = [planner.plan("gold", beside, [0.002, 0.030, 0.012], seed=seed) for seed in (1, 2, 3, 1)]
+    assert {plan["status"] for plan in plans} == {"success"}
+    paths = [plan["waypoints"].tobytes() for plan in plans]
+    assert paths[0] == paths[3] and len(set(paths)) > 1
+
+
+def test_a_path_beside_the_other_arm_is_as_near_to_it_as_the_caller_says(planner, home):
+    """Both arms lean to the same side, green as far as it does not touch. A plan before was made with green at home."""
+    gold, green = (joints + [lean, -0.4, 0, 0, 0, 0, 0] for joints, lean in zip(home, (0.1, 0.0)))
+    while planner.clearance("gold", gold, green) < 0.003:
+        green = green + 0.02 * (home[1] - green)
+    near = float(planner.clearance("gold", gold, green))
+    assert near < 0.008 and planner.clearance("gold", gold, home[1]) > 0.01
+    assert planner.plan("gold", home[0], gold, other=home[1])["status"] == "success"
+    found = planner.roll_out("gold", [gold, gold + [0.001, 0, 0, 0, 0, 0, 0]], other=green)["clearance"]
+    assert found == pytest.approx(near, abs=1.5e-3)
+
+
 def test_what_cannot_be_planned_says_why(planner, home):
     assert planner.plan("green", home[1], [10.0, 0, 0])["status"] == "goal_unreachable"
     assert planner.in_collision("green", home).shape == (2,)

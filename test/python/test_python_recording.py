@@ -135,6 +135,8 @@ def test_a_campaign_is_defined_run_and_read(tmp_path):
         with pytest.raises(RuntimeError, match="holds a campaign|no campaign|no_such"):
             other.run(tmp_path / "out", seed=99)
     assert [path.name for path in tmp_path.iterdir()] == ["out"], "nothing is left next to it"
+    (tmp_path / "out/outcomes.csv").write_text("run,outcome\n")
+    assert campaign.run(tmp_path / "out", seed=2, resume=True) == rows, "the finished runs are read, the table is written again"
     elsewhere = raven2_trainer.Campaign({"name": "../elsewhere", "cpu_limit": np.int64(3)})
     with pytest.raises(RuntimeError, match="name holds a /"):
         elsewhere.run(tmp_path / "none")

@@ -517,11 +517,48 @@ def test_plans_and_motions_are_on_the_session_s_clock(tmp_path):
 def test_a_repeated_trial_moves_both_arms_without_a_plan(clearance, moved, planned):
     behind = details.Details.__new__(details.Details)
     behind.facts = SimpleNamespace(session_time=lambda tick: tick / 1000)
-    execution = {"started": 1000, "ended": 2000, "on_robot": 1, "progress": 1.0, "planned_clearance": clearance, "contact_ticks": 0,
-                 "model": {"mean": 0.0, "largest": 0.0}, "robot": {"mean": 0.0, "largest": 0.0}, "model_clearance": 0.01,
-                 "robot_clearance": 0.01}
+    execution = {"started": 1000, "ended": 2000, "on_robot": 1, "progress": 1.0, "planned_clearance": clearance, "contact_ticks": 25,
+                 "model": {"mean": 0.0012, "largest": 0.0034}, "robot": {"mean": 0.0056, "largest": 0.0078}, "model_clearance": 0.01,
+                 "robot_clearance": 0.0043}
     row = behind._execution_row(execution, "finished", "green")
-    assert (row[1], row[8]) == (moved, planned)
+    assert row[1] == moved and row[4:8] == ["1.20", "3.40", "5.60", "7.80"] and row[8:] == [planned, "10.0 mm", "4.3 mm", "25 ms"]
+    alone = behind._execution_row({**execution, "on_robot": 0}, "finished", "green")
+    assert alone[4:8] == ["1.20", "3.40", "–", "–"] and alone[9:11] == ["10.0 mm", "–"]
+
+
+def test_an_attempt_spans_its_own_ticks():
+    span = lambda attempt: Facts.attempt_span(SimpleNamespace(attempt=attempt, duration=9.0))  # noqa: E731
+    assert span({"first_tick": 1500, "last_tick": 4000}) == (1.5, 4.0)
+    assert span({"first_tick": 1500, "last_tick": None}) == (1.5, 9.0) and span(None) == (0.0, 9.0)
+
+
+@pytest.mark.parametrize("scale, length, end", [(1000, "100 mm", 114.0), (2000, "50 mm", 114.0), (400, "100 mm", 54.0)])
+def test_the_bar_is_as_long_as_it_says(scale, length, end):
+    """`scale` [px/m]."""
+    found = view3d._scale_bar(scale, 560)
+    xs = [float(x) for x in re.findall(r'x[12]="([\d.]+)"', found)]
+    assert length in found and (min(xs), max(xs)) == (14.0, end)
+
+
+def test_each_arm_has_its_own_force_and_error(monkeypatch):
+    t, values = np.arange(3.0), np.array([[1.0, 4.0]] * 3)
+    series = SimpleNamespace(t=t, error_mm=values, tolerance_mm=3.0, force_t=t, force=2 * values)
+    monkeypatch.setattr(timeline, "contact_force", lambda _: 3 * values)
+    panels = []
+
+    class Panel:
+        x = width = 0
+
+        def to_y(self, value):
+            return value
+
+        def curve(self, _, values, *rest):
+            panels.append((rest[-1], float(values[0])))
+            return ""
+
+    lanes = SimpleNamespace(parts=[], plot=lambda *_: Panel())
+    timeline._forces(SimpleNamespace(series=series, hazards=[]), lanes)
+    assert panels == [("gold arm", 1.0), ("green arm", 4.0), ("gold arm", 2.0), ("green arm", 8.0), ("gold arm", 3.0), ("green arm", 12.0)]
 
 
 @pytest.mark.parametrize("levels, stop", [([0, 0, 1, 2, 3, 3, 0, 0, 1, 0], 0.006), ([-1, 0, 0, 1], None),

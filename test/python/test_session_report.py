@@ -17,7 +17,7 @@ import forked  # noqa: E402
 import report_session as made  # noqa: E402
 
 import raven2_figures  # noqa: E402  (in the same folder as raven2_session; loaded once, for all reports)
-from raven2_report import curves, drawing, metric_words, page as _, scorecard, view3d  # noqa: E402,F401
+from raven2_report import curves, drawing, metric_words, page as _, scorecard, stills, view3d  # noqa: E402,F401
 
 REPORT = made.ROOT / "scripts" / "session_report"
 BROWSER = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -284,6 +284,8 @@ def test_stills_are_linked_to_their_moment_of_the_video(tmp_path):
     wanted = [f"video.mp4#t={moment['at_s']:.2f}" for moment in record["moments"]]
     assert set(links) <= set(wanted) and len(links) >= 5
     assert "video.mp4#t=0.80" in links, "where the wire was touched"
+    video = folder / "video.mp4"
+    assert stills.take_frame(video, 0.1) == stills.take_frame(video, 0.1) != stills.take_frame(video, 1.5)
 
 
 # ---- several sessions -------------------------------------------------------------------------------------------

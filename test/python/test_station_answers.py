@@ -36,6 +36,70 @@ def test_the_real_camera_is_shown_only_if_pictures_come(said, asked):
     assert calls == [("set_view", {"data": True})] * asked + [("set_view", {"data": False})]
 
 
+def recording(station, answer=(True, "accepted", {})):
+    """@return a list of the calls of the trainer from now on: service, arguments, limit."""
+    calls = []
+
+    async def call(service, arguments=None, limit=None):
+        calls.append((service, arguments, limit))
+        return answer
+
+    station.link = types.SimpleNamespace(call=call, is_up=True, is_taken=False, send=lambda _: None)
+    return calls
+
+
+@pytest.mark.parametrize("what", sorted(station_module.TRIGGERS))
+def test_each_button_calls_its_own_service(what):
+    station = station_in_a_session()
+    calls = recording(station)
+    assert asyncio.run(station.do(what, {}))[0]
+    service = {"restart-exercise": "start_exercise", "press-start": "virtual_raven/press_start"}.get(what, what.replace("-", "_"))
+    assert calls == [(service, None, 2.0 if what == "emergency-stop" else 20.0)]
+
+
+@pytest.mark.parametrize("what, service", [("repeat-trial", "repeat_trial"), ("execute", "execute_plan")])
+def test_only_what_asks_for_the_robot_moves_it(what, service):
+    station = station_in_a_session()
+    calls = recording(station)
+    for given in ({"on_robot": False}, {}, {"on_robot": "yes"}, {"on_robot": True}):
+        asyncio.run(station.do(what, given))
+    assert [(name, arguments["on_robot"]) for name, arguments, _ in calls] == [(service, False)] * 3 + [(service, True)]
+
+
+@pytest.mark.parametrize("arm", ["", "gold", "green"])
+def test_a_plan_leads_to_the_goal_of_the_configuration(arm):
+    station = station_in_a_session()
+    calls = recording(station)
+    assert asyncio.run(station.do("plan", {"arm": arm}))[0]
+    assert [call[:2] for call in calls] == [("plan", {"arm": arm, "default_goal": True})]
+
+
+def given_to_a_browser():
+    station = station_in_a_session()
+    station.supervisor.choice, station.supervisor.is_replay = types.SimpleNamespace(driver="browser"), False
+    return station, [types.SimpleNamespace(role="trainee", number=number, send=lambda _: None) for number in (1, 2)]
+
+
+def test_a_page_takes_the_hands_from_no_other_page():
+    station, (driver, other) = given_to_a_browser()
+    for client, drives in ((driver, True), (other, False), (driver, True)):
+        assert asyncio.run(station.do("drive", {}, client))[0] == drives
+        assert station.driving is driver
+
+
+def test_hands_that_the_instructor_takes_move_nothing_any_more():
+    station, (driver, _) = given_to_a_browser()
+    down = {"pedal": True, "camera": False, "arms": {"gold": {"move": [0.001, 0, 0], "turn": [0, 0, 0], "jaw": 0.5}}}
+    assert asyncio.run(station.do("drive", {}, driver))[0]
+    station.take_hands_message(driver, down)
+    assert station.hands.pedal
+    assert asyncio.run(station.do("take-hands", {}))[0]
+    assert station.driving is None and not station.hands.pedal
+    station.take_hands_message(driver, down)
+    assert not station.hands.pedal and station.refused["hands_of_a_page_that_does_not_drive"] == 1
+    assert asyncio.run(station.do("drive", {}, driver)) == (False, "the instructor has taken the hands away", {})
+
+
 PAGE_OF_A_TRAINEE = {"drive", "leave", "watch"}  # what it may ask for
 
 

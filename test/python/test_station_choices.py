@@ -1,10 +1,12 @@
 """Tests what an instructor can choose, and the arguments with which the station then starts its programs."""
 
 import asyncio
+import datetime
 import json
 import pathlib
 import shutil
 import sys
+import time
 
 import pytest
 
@@ -134,6 +136,24 @@ def test_a_bad_link_carries_each_stream_to_its_hearer(known, tmp_path, sender, s
     ways = dict(word.split(":127.0.0.1:") for word in launched["impair"] if ":127.0.0.1:" in word)
     sent, heard = (launched[name][launched[name].index(stream) + 1] for name in (sender, hearer))
     assert len(ways) == 3 and ways[sent] == heard != sent
+
+
+def test_all_programs_of_a_session_have_its_seed(known, tmp_path):
+    launched = programs_of(supervise(tmp_path, known), supervisor.Choice({**GOOD, "link": "wifi", "seed": 9}, known))
+    assert sorted(launched) == ["impair", "master_console", "simulator", "virtual_raven"]
+    assert {name: words[words.index("--seed") + 1] for name, words in launched.items()} == dict.fromkeys(launched, "9")
+
+
+def test_sessions_have_the_time_of_utc_in_their_names(known, tmp_path, monkeypatch):
+    monkeypatch.setenv("TZ", "Asia/Tokyo")
+    time.tzset()
+    try:
+        name = supervise(tmp_path, known)._new_directory(supervisor.Choice(GOOD, known)).name
+        told = datetime.datetime.strptime(name.split("_")[0], "%Y-%m-%dT%H-%M-%SZ").replace(tzinfo=datetime.timezone.utc)
+        assert abs((datetime.datetime.now(datetime.timezone.utc) - told).total_seconds()) < 60
+    finally:
+        monkeypatch.undo()
+        time.tzset()
 
 
 def test_a_curriculum_chooses_exercise_and_hazard(known, tmp_path):

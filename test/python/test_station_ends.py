@@ -19,7 +19,7 @@ import pytest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "scripts"))
-from raven2_station import server  # noqa: E402
+from raven2_station import access, server  # noqa: E402
 from station_parts import PROGRAM, supervised  # noqa: E402
 
 
@@ -95,6 +95,7 @@ def test_a_second_signal_leaves_no_program_running(known, tmp_path):
         assert process.stdout.readline() == "serves\n"
         listed = json.loads((tmp_path / "sessions/station_logs/processes.json").read_text())["processes"]
         pids = [pid for pid, _ in listed.values()]
+        (tmp_path / "sessions/station_logs/hands_away").touch()
         connection = http.client.HTTPConnection("127.0.0.1", port, timeout=10)
         connection.request("GET", "/")
         cookie = connection.getresponse().getheader("Set-Cookie")
@@ -105,6 +106,9 @@ def test_a_second_signal_leaves_no_program_running(known, tmp_path):
         status = process.wait(30)
     assert len(pids) == 3 and survivors(pids) == []
     assert status == 0 and "ends the session" in said
+    assert not (tmp_path / "sessions/station_logs/hands_away").exists(), "the next session begins with the hands"
+    token = cookie.split("=", 1)[1].split(";")[0]
+    assert access.Access(None, tmp_path / "sessions/station_logs/logins.json").knows(token), "a station that starts again knows its pages"
     assert cookie.startswith(f"raven2_station_{port}=") and "SameSite=Lax" in cookie and "HttpOnly" in cookie
 
 
@@ -113,32 +117,48 @@ step() {{ :; }}; configure_and_build() {{ :; }}; source_ros() {{ :; }}; free_por
 """
 
 
-def test_a_killed_ros_master_starts_again_on_its_port(tmp_path):
-    """scripts/station with other programs: rosmaster and the station only note that they were started."""
+def started(folder, name, count):
+    """Process number and arguments of each start that substitutes() noted, once there are `count`."""
+    until = time.monotonic() + 20
+    file, lines = folder / f"{name}.started", []
+    while len(lines) < count and time.monotonic() < until:
+        time.sleep(0.05)
+        lines = file.read_text().splitlines() if file.exists() else []
+    return [line.split() for line in lines]
+
+
+def substitutes(tmp_path, end="exec sleep 60"):
+    """scripts/station with other programs: rosmaster and the station only note that they were started. @return its environment."""
     (tmp_path / "scripts/raven2_station").mkdir(parents=True)
     shutil.copy(ROOT / "scripts/station", tmp_path / "scripts/station")
     (tmp_path / "scripts/common.sh").write_text(COMMON.format(folder=tmp_path))
     for path in ("rosmaster", "scripts/raven2_station/station"):
-        (tmp_path / path).write_text(f"#!/bin/sh\necho $$ $* >> {tmp_path}/{pathlib.Path(path).name}.started\nexec sleep 60\n")
+        ends = end if path.endswith("station") else "exec sleep 60"
+        (tmp_path / path).write_text(f"#!/bin/sh\necho $$ $* >> {tmp_path}/{pathlib.Path(path).name}.started\n{ends}\n")
         (tmp_path / path).chmod(0o755)
+    return {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
 
-    def started(name, count):
-        until = time.monotonic() + 20
-        lines = []
-        while len(lines) < count and time.monotonic() < until:
-            time.sleep(0.05)
-            lines = (tmp_path / f"{name}.started").read_text().splitlines() if (tmp_path / f"{name}.started").exists() else []
-        return [line.split() for line in lines]
 
-    environment = {**os.environ, "PATH": f"{tmp_path}:{os.environ['PATH']}"}
+def test_a_killed_ros_master_starts_again_on_its_port_and_a_killed_station_too(tmp_path):
+    environment = substitutes(tmp_path)
     with running("bash", str(tmp_path / "scripts/station"), env=environment) as process:
-        first, stations = started("rosmaster", 1), started("station", 1)
+        first, stations = started(tmp_path, "rosmaster", 1), started(tmp_path, "station", 1)
         os.kill(int(first[0][0]), signal.SIGKILL)
-        masters = started("rosmaster", 2)
+        masters = started(tmp_path, "rosmaster", 2)
+        assert len(stations) == 1
+        os.kill(int(stations[0][0]), signal.SIGKILL)
+        stations = started(tmp_path, "station", 2)
         process.terminate()
         status = process.wait(20)
     assert survivors([int(pid) for pid, *_ in masters + stations]) == [] and status == 0
-    assert [master[1:] for master in masters] == [["--core", "-p", "12345"]] * 2 and len(stations) == 1
+    assert [master[1:] for master in masters] == [["--core", "-p", "12345"]] * 2 and len(stations) == 2
+
+
+def test_a_station_that_cannot_start_is_not_started_again(tmp_path):
+    environment = substitutes(tmp_path, end="exit 2")
+    with running("bash", str(tmp_path / "scripts/station"), env=environment) as process:
+        assert process.wait(20) == 2
+    assert len(started(tmp_path, "station", 1)) == 1
 
 
 def test_a_password_file_that_others_can_read_is_refused(tmp_path):

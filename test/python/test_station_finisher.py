@@ -20,7 +20,7 @@ class Finishing:
         self.session, self.said = folder / "session", []
         (folder / "session_report").write_text("import pathlib, sys, time\ntime.sleep(0.5)\n"
                                                "(pathlib.Path(sys.argv[1]) / 'report.html').touch()\n")
-        (folder / "render_session").write_text("#!/bin/sh\nsleep 60 & echo $! >\"$1/worker\"; wait\n")
+        (folder / "render_session").write_text("#!/bin/sh\nnice >\"$1/nice\"; sleep 60 & echo $! >\"$1/worker\"; wait\n")
         (folder / "render_session").chmod(0o755)
         self.finisher = finisher.Finisher(folder, folder, lambda *words: self.said.append(words[1:3]))
 
@@ -74,6 +74,7 @@ def test_a_video_ends_with_the_station_and_so_does_one_that_waits(tmp_path):
         work = Finishing(tmp_path)
         work.finisher.video(work.session)
         worker = await work.worker()
+        assert (work.session / "nice").read_text() == "19\n", "the next session has the processor"
         (tmp_path / "other").mkdir()
         waiting = work.finisher.video(tmp_path / "other")
         await work.finisher.end()

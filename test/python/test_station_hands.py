@@ -12,8 +12,8 @@ sys.path.insert(0, str(ROOT / "scripts"))
 from raven2_station import frames, hands  # noqa: E402
 
 
-def motion(move=(0, 0, 0), turn=(0, 0, 0), pedal=True, **more):
-    return {"pedal": pedal, "arms": {"gold": {"move": list(move), "turn": list(turn)}, **more}}
+def motion(move=(0, 0, 0), turn=(0, 0, 0), pedal=True, arm="gold"):
+    return {"pedal": pedal, "arms": {arm: {"move": list(move), "turn": list(turn)}}}
 
 
 def test_hands_add_up_and_are_cut_at_their_speed():
@@ -37,17 +37,18 @@ def test_messages_in_a_bunch_lose_nothing():
     assert 2 * math.asin(device.arms["gold"].orientation[2]) == pytest.approx(0.6)
 
 
-def test_what_is_late_does_not_come_after_the_pedal():
+@pytest.mark.parametrize("arm", ["gold", "green"])
+def test_what_is_late_does_not_come_after_the_pedal(arm):
     device = hands.Hands()
-    device.apply(motion(), 10.0)
-    device.apply(motion((5.0, 0, 0)), 10.01)
-    device.apply(motion(pedal=False), 10.02)
-    before = device.arms["gold"].position[0]
-    device.apply(motion(), 10.04)
-    assert device.arms["gold"].position[0] == before
+    device.apply(motion(arm=arm), 10.0)
+    device.apply(motion((5.0, 0, 0), arm=arm), 10.01)
+    device.apply(motion(pedal=False, arm=arm), 10.02)
+    before = device.arms[arm].position[0]
+    device.apply(motion(arm=arm), 10.04)
+    assert device.arms[arm].position[0] == before
     for i in range(30):
-        device.apply(motion((5.0, 0, 0) if i == 0 else (0, 0, 0)), 10.06 + 0.02 * i)
-    assert device.arms["gold"].position[0] == pytest.approx(before + hands.SPEED * hands.LONGEST), "at most 0.1 s late"
+        device.apply(motion((5.0, 0, 0) if i == 0 else (0, 0, 0), arm=arm), 10.06 + 0.02 * i)
+    assert device.arms[arm].position[0] == pytest.approx(before + hands.SPEED * hands.LONGEST), "at most 0.1 s late"
 
 
 def test_the_other_arm_moves_alone():
@@ -57,13 +58,14 @@ def test_the_other_arm_moves_alone():
     assert device.arms["gold"].position == [0, 0, 0] and device.arms["gold"].jaw > 0
 
 
-def test_nothing_moves_with_the_pedal_up_but_back_to_the_middle():
+@pytest.mark.parametrize("arm", ["gold", "green"])
+def test_nothing_moves_with_the_pedal_up_but_back_to_the_middle(arm):
     device = hands.Hands()
-    device.apply(motion((0.01, 0, 0), pedal=False), 1.0)
-    assert device.arms["gold"].position == [0, 0, 0]
-    device.arms["gold"].position = [1.5, 0, 0]
-    device.apply(motion(pedal=False), 1.1)
-    assert 1.3 < device.arms["gold"].position[0] < 1.5
+    device.apply(motion((0.01, 0, 0), pedal=False, arm=arm), 1.0)
+    assert device.arms[arm].position == [0, 0, 0]
+    device.arms[arm].position = [1.5, 0, 0]
+    device.apply(motion(pedal=False, arm=arm), 1.1)
+    assert 1.3 < device.arms[arm].position[0] < 1.5
 
 
 def test_what_is_late_of_either_hand_does_not_come_after_the_pedal():

@@ -97,9 +97,30 @@ def test_a_history_can_be_of_one_exercise_alone(known):
 
 def test_a_plan_is_executed_with_the_robot_only_by_its_own_button(known):
     found = run_instructors_page(known, """
-      for (const id of ["execute", "execute-robot"]) element(id).fire("click");
-      console.log(JSON.stringify(asked.filter((a) => a.do === "execute").map((a) => a.with.on_robot)));""")
-    assert found == [False, True]
+      for (const id of ["execute", "execute-robot", "repeat-trial", "repeat-robot"]) element(id).fire("click");
+      console.log(JSON.stringify(["execute", "repeat-trial"].map((what) => asked.filter((a) => a.do === what).map((a) => a.with.on_robot))));""")
+    assert found == [[False, True], [False, True]]
+
+
+def test_a_session_starts_as_it_was_set_up(known):
+    chosen = {"trainee": "ann", "curriculum": "frs_basics", "exercise": "peg_transfer", "hazard": "sudden_jump", "when": "instructor", "link": "wifi",
+              "driver": "expert"}
+    found = run_instructors_page(known, f"""
+      asked.length = 0;
+      for (const [id, value] of Object.entries({json.dumps(chosen)})) element(id).value = value;
+      element("form").fire("submit");
+      console.log(JSON.stringify(asked.filter((a) => a.do === "start").map((a) => a.with)));""")
+    assert found == [{**chosen, "seed": -1}]
+
+
+def test_buttons_that_change_something_over_ask_for_the_other_state(known):
+    found = run_instructors_page(known, """
+      asked.length = 0;
+      for (const away of [false, true]) { hear({ ...idle, phase: "running", hands_away: away }); element("take-hands").fire("click"); }
+      for (const view of ["virtual", "real"]) { hear({ t: "mode", mode: "pedal_up", pedal: false, text: "", view }); element("view").fire("click"); }
+      const shown = ["pedal_up", "stopped"].map((mode) => { hear({ t: "mode", mode, pedal: false, text: "" }); return !element("clear-stop").hidden; });
+      console.log(JSON.stringify([asked.filter((a) => a.do === "take-hands" || a.do === "view").map((a) => a.with), shown]));""")
+    assert found == [[{"away": True}, {"away": False}, {"real": True}, {"real": False}], [False, True]]
 
 
 def test_a_page_that_heard_nothing_for_a_moment_asks_for_the_verdict_again(known):

@@ -3,10 +3,14 @@
 import asyncio
 import json
 import math
+import os
 import pathlib
 import random
 import socket
 import sys
+import threading
+import time
+import types
 
 import pytest
 
@@ -33,6 +37,37 @@ class SlowPage:
 
     def abort(self):
         self.aborted = True
+
+
+def test_pictures_of_both_cameras_go_to_their_own_places():
+    """The first byte says which: link.js takes it off."""
+    async def run():
+        page = SlowPage()
+        client = clients.Client(page, "trainee", 1)
+        client.wants = {"view", "second"}
+        writer = asyncio.ensure_future(client.write())
+        for which in ("view", "second"):
+            client.show(which, which.encode())
+        await asyncio.sleep(0.05)
+        writer.cancel()
+        return page.sent
+
+    assert sorted(asyncio.run(run())) == [b"\x00view", b"\x01second"]
+
+
+def test_strips_have_the_distance_of_each_arm():
+    pytest.importorskip("rospy")
+    sys.path.insert(0, str(pathlib.Path(os.environ.get("RAVEN2_TRAINER_BUILD", ROOT / "build")) / "devel/lib/python3/dist-packages"))
+    pytest.importorskip("raven2_trainer.msg", reason="the messages are not built")
+    from raven2_station import ros_side
+    sent = []
+    daemon = object.__new__(ros_side.Daemon)
+    daemon._lock, daemon._last_tick = threading.Lock(), time.monotonic()
+    daemon._link = types.SimpleNamespace(send=lambda message, may_drop: sent.append(message))
+    daemon._frames = types.SimpleNamespace(apart={"L": 0.003, "R": 0.005}.get)  # the robot's left arm is gold
+    daemon._force, daemon._push = {"gold": 1.0, "green": 2.0}, {"gold": [1.0, 0.0, 0.0], "green": [0.0, 2.0, 0.0]}
+    daemon.strips()
+    assert sent == [{"t": "strips", "apart": {"gold": 0.003, "green": 0.005}, "force": daemon._force, "push": daemon._push}]
 
 
 def test_no_picture_is_sent_ahead_of_a_page_that_acknowledges(monkeypatch):

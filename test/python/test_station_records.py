@@ -1,5 +1,6 @@
 """Tests what the station reads from recorded sessions: its lists, verdicts, histories and the class."""
 
+import csv
 import fcntl
 import json
 import os
@@ -106,6 +107,10 @@ def test_the_class_has_a_row_a_trainee_and_a_cell_a_stage(folder):
     assert len(lines) == 3 and lines[1].startswith("ann,3,2,2,0,yes,1,1,0,no,0,0,0,no,")
     assert "peg transfer with sudden jump done" in lines[0]
     assert lines[0].endswith(",demonstrated sessions") and lines[1].endswith(f",{ann['demonstrations']}")
+    of_ann = next(csv.DictReader(lines))
+    first = next(title for title in of_ann if title.endswith(" attempts")).removesuffix(" attempts")
+    assert [of_ann[f"{first} {what}"] for what in ("attempts", "passes in a row", "more passes")] == ["2", "2", "0"]
+    assert of_ann["last session (UTC)"] == "2026-01-04"
 
 
 def test_attempts_count_for_the_stage_under_way_alone():
@@ -149,8 +154,12 @@ def test_the_history_has_score_time_and_response(folder):
     (folder / "s1").mkdir()
     (folder / "s1" / "session.rlog").write_bytes(b"x")
     (folder / "s1" / "score.json").write_text(json.dumps({"attempts": [{"composite": 0.75}]}))
+    index = json.loads((folder / "index.json").read_text())
+    index["sessions"][1]["attempts"][0]["metrics"]["hazard_response"] = 1.5  # kHazardMetric of training/score.h
+    (folder / "index.json").write_text(json.dumps(index))
     history = records.Records(folder).history("ann")
-    assert [(a["session"], a["score"], a["time"]) for a in history] == [("s0", None, 10.0), ("s1", 0.75, 11.0), ("s3", None, 13.0)]
+    assert [(a["session"], a["score"], a["time"], a["response"]) for a in history] == [
+        ("s0", None, 10.0, None), ("s1", 0.75, 11.0, 1.5), ("s3", None, 13.0, None)]
     for spoilt in ('{"attempts": [{"composite": "x"}, 3]}', '{"attempts": 3, "hazards": 3}', '{"attempts": {"a": 1}, "hazards": [3]}'):
         (folder / "s1" / "score.json").write_text(spoilt)
         assert [a["score"] for a in records.Records(folder).history("ann")] == [None] * 3
@@ -208,6 +217,16 @@ def test_a_deleted_session_counts_no_longer(folder):
     inode = (folder / "index.json").stat().st_ino
     store.delete("2026-01-01T10-00-00Z_ann")  # a guest's
     assert (folder / "index.json").stat().st_ino == inode and not (folder / "index.json.part").exists()
+
+
+def test_an_index_that_cannot_be_written_stays_as_it_was(folder):
+    (folder / "s1").mkdir()
+    (folder / "s1" / "session.rlog").write_bytes(b"x")
+    (folder / "index.json.part").symlink_to("/dev/full")
+    before = (folder / "index.json").read_bytes()
+    with pytest.raises(OSError):
+        records.Records(folder).delete("s1")
+    assert (folder / "index.json").read_bytes() == before
 
 
 def log_of(exercise):

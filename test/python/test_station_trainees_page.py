@@ -60,6 +60,12 @@ def test_each_side_of_a_gamepad_moves_its_arm_alone(arm, other, stick, trigger, 
     assert sent["arms"][other]["move"] == [0, 0, 0] and sent["arms"][other]["jaw"] > 0.5
 
 
+@pytest.mark.parametrize("button, arm, other, up", [(12, "gold", "green", 1), (13, "gold", "green", -1), (3, "green", "gold", 1), (0, "green", "gold", -1)])
+def test_buttons_of_a_gamepad_move_their_arm_up_and_down(button, arm, other, up):
+    sent = run_page_script("input.js", HANDS + f"pad.buttons[{button}].pressed = true; hands.gamepad(0.1); console.log(JSON.stringify(hands.take(0.1)));")
+    assert sent["arms"][arm]["move"] == pytest.approx([0, 0, 0.025 * up]) and sent["arms"][other]["move"] == pytest.approx([0, 0, 0])
+
+
 @pytest.mark.parametrize("arm, other", [("gold", "green"), ("green", "gold")])
 def test_mouse_and_its_left_button_are_of_the_chosen_arm_alone(arm, other):
     sent = run_page_script("input.js", HANDS + f"""
@@ -75,7 +81,9 @@ def test_mouse_and_its_left_button_are_of_the_chosen_arm_alone(arm, other):
     ("hands.turning = true; hands.mouse({ movementX: 5, movementY: 0 })", "turn", [0, 0, -0.02]),
     ("hands.turning = true; hands.mouse({ movementX: 0, movementY: -5 })", "turn", [0, 0.02, 0]),
     ("hands.turning = true; hands.wheel({ deltaY: -100, preventDefault() {} })", "turn", [-0.12, 0, 0]),
-    ("hands.held.add('roll_right')", "turn", [-0.15, 0, 0]), ("pad.axes[1] = -1; hands.gamepad(0.1)", "move", [-0.025, 0, 0]),
+    ("hands.held.add('roll_right')", "turn", [-0.15, 0, 0]), ("hands.held.add('roll_left')", "turn", [0.15, 0, 0]),
+    ("hands.speed = 2; hands.mouse({ movementX: 5, movementY: 0 })", "move", [0, 0.01, 0]), ("pad.axes[0] = 0.1; hands.gamepad(0.1)", "move", [0, 0, 0]),
+    ("pad.axes[1] = -1; hands.gamepad(0.1)", "move", [-0.025, 0, 0]),
     ("hands.camera = true; hands.mouse({ movementX: 5, movementY: -5 })", "move", [0.005, 0, 0.005]),
     ("hands.camera = true; pad.axes[0] = 1; hands.gamepad(0.1)", "move", [0.025, 0, 0]),
     ("hands.look(null); hands.mouse({ movementX: 5, movementY: 0 })", "move", [0.005, 0, 0])])
@@ -162,6 +170,17 @@ def test_a_page_that_lost_the_hands_shows_no_pedal_and_gives_the_mouse_back(ends
     is_cut = "onclose" in ends
     assert shown == ["yes", "no", None, "No connection" if is_cut else "The hands move the robot", "Take the hands",
                      "No connection to the station." if is_cut else "No picture comes from the trainer."]
+
+
+@pytest.mark.parametrize("key, field", [("Space", "pedal"), ("KeyC", "camera")])
+def test_a_key_that_was_held_as_the_page_lost_its_focus_is_up(key, field):
+    """Its keyup goes to another window."""
+    sent = run_trainees_page(f"""
+      window.heard.keydown.forEach((run) => run({{ code: "{key}", preventDefault() {{}}, stopImmediatePropagation() {{}} }})); later(16);
+      const before = requests.filter((a) => a.do === "hands").at(-1).with.{field};
+      window.fire("blur"); requests.length = 0; later(16); later(16);
+      console.log(JSON.stringify([before, requests.filter((a) => a.do === "hands").map((a) => a.with.{field}), hands.held.size]));""")
+    assert sent == [True, [False, False], 0]
 
 
 def test_a_page_that_heard_nothing_for_a_moment_goes_on_as_the_station_says():

@@ -34,7 +34,7 @@ class ActivityStage : public ::testing::Test {
  protected:
   static void SetUpTestSuite() { useOde(); }
 
-  ActivityStage() {
+  explicit ActivityStage(const TrainerConfig& of_stage = packagedConfig()) : config(of_stage) {
     stage.modes = &modes;
     describe();
   }
@@ -77,7 +77,7 @@ class ActivityStage : public ::testing::Test {
 
   double wanted(Arm arm, std::size_t joint) { return at(stage.arms.wanted(), arm)[joint]; }
 
-  const TrainerConfig config = packagedConfig();
+  const TrainerConfig config;
   const model::RavenModel raven = robotOf(config);
   const model::SceneModel scene = model::loadSceneModel(config);
   std::unique_ptr<SharedState> shared = std::make_unique<SharedState>();

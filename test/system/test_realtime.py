@@ -1,5 +1,6 @@
 """Real time as a user meets it: the daemon is stopped and continued, runs without privileges, runs with --strict."""
 
+import ctypes
 import json
 import os
 import shutil
@@ -15,6 +16,8 @@ from stack import PROGRAMS, ROOT, Stack, RobotStates, effort, free_ports, itp, l
 
 NOBODY = 65534
 PEDAL_UP, PEDAL_DOWN = 2, 3
+PTRACE_ATTACH, PTRACE_DETACH, WALL = 16, 17, 0x40000000  # of Linux; Python has no names for them
+needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can become nobody, make cgroups and stop a thread")
 # [s] The promise is 1 s. A machine that compiles while the test runs needs more: without SCHED_FIFO the daemon has no
 # priority.
 REFUSED_WITHIN = effort(10.0, 1.0)
@@ -192,6 +195,34 @@ def test_a_stop_of_four_tenths_pauses_the_exercise_until_a_new_pedal_down():
         assert session["goes_on"]
 
 
+def stop_thread(process, name, seconds):
+    """Stops one thread of a process for so long, as a debugger does."""
+    (tid,) = [int(entry) for entry in os.listdir(f"/proc/{process.pid}/task")
+              if open(f"/proc/{process.pid}/task/{entry}/comm", encoding="ascii").read().strip() == name]
+    libc = ctypes.CDLL(None, use_errno=True)
+    assert libc.ptrace(PTRACE_ATTACH, tid, None, None) == 0, os.strerror(ctypes.get_errno())
+    os.waitpid(tid, WALL)
+    time.sleep(seconds)
+    assert libc.ptrace(PTRACE_DETACH, tid, None, None) == 0, os.strerror(ctypes.get_errno())
+
+
+@needs_root
+def test_time_that_the_haptic_loop_alone_loses_pauses_too():
+    """R3: without force the surgeon must not go on."""
+    with Stack() as stack:
+        master = teleoperate(stack)
+        time.sleep(0.5)
+        stop_thread(stack.processes["simulator"], "haptic", 0.4)
+        wait_for_run_level(stack, PEDAL_UP, 5)
+        time.sleep(0.5)
+        stack.stop("simulator")
+        master.stop()
+        timing, session = stack.metrics()["timing"], read_session(stack)
+        print(session, timing)
+        assert (timing["haptic"]["time_slips"], timing["physics"]["time_slips"]) == (1, 0)
+        assert session["pauses"] == 1
+
+
 def test_a_late_run_is_on_diagnostics_within_a_second():
     """R7: /diagnostics reports a stop of 200 ms, ten times. rospy starts once per process, so another process reads."""
     ros = free_ports(1)[0]
@@ -228,7 +259,6 @@ def give_to_nobody(folder):
             os.chown(name, NOBODY, NOBODY)
 
 
-needs_root = pytest.mark.skipif(os.geteuid() != 0, reason="only root can become nobody or make cgroups")
 AS_NOBODY = ("setpriv", f"--reuid={NOBODY}", f"--regid={NOBODY}", "--clear-groups")
 
 
@@ -316,16 +346,21 @@ def test_in_a_cgroup_without_real_time_budget_it_runs_and_says_so_and_strict_ref
 def test_strict_names_preloaded_libraries_and_files_that_anybody_may_write():
     """S14: --strict reports all reasons at once, while SCHED_FIFO is granted."""
     with Stack() as stack:
-        haptics = os.path.join(os.path.dirname(stack.config), "haptics.yaml")
-        os.chmod(haptics, 0o666)
+        share = os.path.dirname(os.path.dirname(stack.config))
+        open_to_all = [os.path.join(share, file) for file in
+                       ("config/haptics.yaml", "urdf/raven2.urdf", "urdf/frs_trainer.urdf")]
+        for file in open_to_all:
+            os.chmod(file, 0o666)
         library = os.path.realpath(shutil.which("true"))  # any file: the loader warns and continues
         code, seconds, text = run_daemon(stack, "--strict", environment={"LD_PRELOAD": library})
         print(code, seconds, text)
         assert code == 1 and seconds < REFUSED_WITHIN
         assert f"LD_PRELOAD is {library}" in text
-        assert f"{haptics} is writable by everybody" in text
+        for file in open_to_all:
+            assert f"{file} is writable by everybody" in text
         assert "refused" not in text and not os.path.exists(stack.output)
-        os.chmod(haptics, 0o644)
+        for file in open_to_all:
+            os.chmod(file, 0o644)
         stack.start_daemon("--strict", "--duration", "1")
         wait_until(lambda: os.path.exists(os.path.join(stack.output, "session.rlog")), 10, "strict starts where all is well")
         assert stack.stop("simulator")[0] == 0, stack.log_text("simulator")

@@ -169,6 +169,10 @@ def test_other_computers_need_the_password(guarded):
             for given, origin, status in (("wrong", url, 403), ("operating room 3", "https://evil.example", 403), ("operating room 3", url, 303)):
                 async with http.post(url + "/login", data={"password": given}, headers={"Origin": origin}, allow_redirects=False) as answer:
                     assert answer.status == status, given
+            for wanted, leads in (("/trainee", "/trainee"), ("/", "/"), ("https://evil.example", "/"), ("//evil.example", "/")):
+                async with http.post(url + "/login", data={"password": "operating room 3", "next": wanted}, headers={"Origin": url},
+                                     allow_redirects=False) as answer:
+                    assert answer.headers["Location"] == leads
             cookie = answer.cookies[f"raven2_station_{guarded.port}"]
             assert cookie["secure"] and cookie["httponly"]
             async with http.get(url + "/") as answer:

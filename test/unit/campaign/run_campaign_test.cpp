@@ -135,6 +135,22 @@ class Unforked {
   FaultPlan plan_;
 };
 
+TEST(MakeRuns, AGoldenRunThatStopsByItselfIsNoMeasure) {
+  raven2_trainer::testing::useOde();
+  const Campaign campaign = everyClock();
+  TrainerConfig config = configurationFor(campaign, raven2_trainer::testing::packagedConfig());
+  config.detector.mitigate = Mitigation::kStop;
+  config.detector.factor = 0.01;  // each motion is an alarm
+  int results = 0;
+  try {
+    makeRuns(config, campaign, campaign.runs, 2, [&](const CampaignRun&, const RunResult&) { ++results; });
+    FAIL() << "it was accepted";
+  } catch (const Exception& e) {
+    EXPECT_NE(std::string(e.what()).find("without a fault"), std::string::npos) << e.what();
+  }
+  EXPECT_EQ(results, 0);
+}
+
 TEST(MakeRuns, AForkedRunIsTheRunWithItsFaultArmedFromPowerOn) {
   const Campaign campaign = everyClock();
   std::map<std::uint32_t, RunResult> results = resultsOf(campaign, 2);

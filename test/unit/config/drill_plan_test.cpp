@@ -113,6 +113,10 @@ TEST(DrillPlan, KeepsItsRowsApartAndComesForSureAndOnce) {
     fault.count = 9;
     fault.probability = 0.25;
   }
+  const FaultPlan injected = faults::immediatePlan(config, faultId(config, config.drill), 1);
+  ASSERT_EQ(injected.count, 2U);
+  EXPECT_EQ(injected.faults[0].first_tick, 60);
+  EXPECT_EQ(injected.faults[1].first_tick, 0);
   const FaultPlan plan = faults::drillPlan(config, 1, 1);
   ASSERT_EQ(plan.count, 2U);
   EXPECT_EQ(plan.faults[0].first_tick - plan.faults[1].first_tick, 60);

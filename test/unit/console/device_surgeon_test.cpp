@@ -122,6 +122,21 @@ TEST(DeviceSurgeon, ThePedalEngagesOnlyWhatWasWatchedAndMoved) {
   EXPECT_EQ(bench.report().engaged, 1);
 }
 
+TEST(DeviceSurgeon, ADriverThatStartsLateIsWatchedFromItsFirstPoseOn) {
+  DeviceBench bench(testMaster());
+  bench.publishes = false;
+  bench.tick(3000);
+  bench.publishes = true;
+  for (int i = 0; i < 300; ++i) {
+    for (const Arm arm : kArms)
+      at(bench.samples, arm).position[0] = 1e-3 * std::sin(0.05 * i);
+    bench.tick();
+  }
+  bench.press();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kTooSoon);
+}
+
 TEST(DeviceSurgeon, ARobotThatIsNotReadyIsNotMovedByAPedalThatWasDownBefore) {
   DeviceBench bench(testMaster());
   bench.senses.may_move = false;
@@ -453,6 +468,21 @@ TEST(DeviceSurgeon, AButtonTogglesTheJawsAtTheirSpeedWhileEngaged) {
   EXPECT_NEAR(bench.tick(300).grasp[0], 0.6, 1e-12);
 }
 
+TEST(DeviceSurgeon, AButtonThatIsHeldAsThePedalGoesDownTogglesNothing) {
+  MasterConfig config = testMaster();
+  config.gripper_from = GripperFrom::kToggles;
+  DeviceBench bench(config, 0.5);
+  bench.warmUp();
+  bench.press(2);
+  bench.tick(300);
+  bench.press(3);
+  EXPECT_EQ(bench.tick(300).grasp[0], 0.5);
+  bench.press(1);
+  bench.tick();
+  bench.press(3);
+  EXPECT_NEAR(bench.tick(300).grasp[0], 0.0, 1e-12);
+}
+
 TEST(DeviceSurgeon, AHeldButtonClosesAndAJointLeadsTheJaws) {
   MasterConfig config = testMaster();
   config.gripper_from = GripperFrom::kHolds;
@@ -499,6 +529,24 @@ TEST(DeviceSurgeon, AGamepadsSticksAreVelocitiesBeyondTheirDeadBand) {
   expectNear(intent.hand_I[1], {0, 0, -0.04}, 1e-9, "up");
 }
 
+TEST(DeviceSurgeon, ANumberThatIsNoneLiftsTheGamepadsPedalAndMovesNothing) {
+  DeviceBench bench(shipped("gamepad"));
+  bench.tick(600);
+  bench.samples[0].axis_count = bench.samples[1].axis_count = 8;
+  bench.press(1U << 5U);
+  ASSERT_TRUE(bench.tick().pedal);
+  bench.samples[0].axes[0] = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(bench.tick().pedal);
+  EXPECT_EQ(bench.newest(), DeviceTrouble::kNotFinite);
+  bench.samples[0].axes = {};
+  bench.press(0);
+  bench.tick();
+  bench.press(1U << 5U);
+  const Intent intent = bench.tick();
+  for (const double coordinate : intent.hand_I[0])
+    EXPECT_TRUE(std::isfinite(coordinate));
+}
+
 TEST(DeviceSurgeon, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   MasterConfig config = testMaster();
   config.force_per_newton = 2.0;
@@ -522,6 +570,14 @@ TEST(DeviceSurgeon, ForcesReachTheDeviceOnlyWhileEngagedAndNeverAboveItsLimit) {
   bench.tick();
   EXPECT_EQ(bench.force(), (Vec3{0, 0, 0}));
   EXPECT_EQ(bench.force(Arm::kGreen), (Vec3{0, 0, 0}));
+}
+
+TEST(DeviceSurgeon, TheLimitIsThatOfTheWholeForce) {
+  const MasterConfig config = testMaster();  // 3.3 N
+  const double share = 3.3 / std::sqrt(3.0);
+  expectNear(toDevice(config, {3.3, -3.3, 3.3}), {share, -share, share}, 1e-12, "3.3 N in all");
+  expectNear(toDevice(config, {0.0, 4.0, 3.0}), {0.0, 2.64, 1.98}, 1e-12, "in its direction");
+  expectNear(toDevice(config, {0.0, 1.9, 1.9}), {0.0, 1.9, 1.9}, 1e-12, "below it");
 }
 
 TEST(DeviceSurgeon, AForceSaysWhetherThePedalHasEverCounted) {

@@ -276,7 +276,13 @@ TEST_P(ServoTargetTest, WhatIsNoNumberOrNoTurnIsRefused) {
   bad[2] = kNan;
   EXPECT_EQ(joints(ServoKind::kServoJoints, bad).reason, ServoRefusal::kNotFinite);
   EXPECT_EQ(joints(ServoKind::kMoveJoints, bad).reason, ServoRefusal::kNotFinite);
-  EXPECT_EQ(jaw(ServoKind::kServoJawBy, kNan).reason, ServoRefusal::kNotFinite);
+  EXPECT_EQ(joints(ServoKind::kMoveJointsBy, bad).reason, ServoRefusal::kNotFinite);
+  for (const ServoKind kind :
+       {ServoKind::kServoJaw, ServoKind::kServoJawBy, ServoKind::kMoveJaw, ServoKind::kMoveJawBy})
+    EXPECT_EQ(jaw(kind, kNan).reason, ServoRefusal::kNotFinite);
+  ServoCommand ratio = command(ServoKind::kRatio);
+  ratio.number = kNan;
+  EXPECT_EQ(target.take(ratio).reason, ServoRefusal::kNotFinite);
   EXPECT_EQ(twist({0.0, kNan, 0.0}, {}).reason, ServoRefusal::kNotFinite);
   EXPECT_EQ(twist({}, {std::numeric_limits<double>::infinity(), 0.0, 0.0}).reason, ServoRefusal::kNotFinite);
   ServoCommand c = command(ServoKind::kServoPose);
@@ -572,6 +578,17 @@ TEST_P(ServoTargetTest, ATwistOfNothingEndsOneAndNeverTimesOut) {
   const Vector3 there = target.pose().p;
   tick(500);
   EXPECT_EQ(target.pose().p, there);
+  EXPECT_EQ(target.runOut(), 0U);
+}
+
+TEST_P(ServoTargetTest, RatesOfNothingEndOthersAndNeverTimeOut) {
+  ASSERT_EQ(joints(ServoKind::kServoRates, {0.1, 0.0, 0.0, 0.0, 0.0, 0.0}).reason, ServoRefusal::kNone);
+  tick(50);
+  ASSERT_EQ(joints(ServoKind::kServoRates, {}).reason, ServoRefusal::kNone);
+  const ServoJoints there = servoJoints(target.joints());
+  tick(500);
+  for (std::size_t j = 0; j < there.size(); ++j)
+    EXPECT_NEAR(servoJoints(target.joints())[j], there[j], 1e-12) << j;
   EXPECT_EQ(target.runOut(), 0U);
 }
 

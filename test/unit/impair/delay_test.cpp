@@ -69,6 +69,8 @@ TEST(DelayTest, EveryLawHasItsMeanAndDeviation) {
   outcome = send(overtaking(branches), kPackets);
   EXPECT_NEAR(outcome.meanDelay(), 19e6, 0.5e6);
   EXPECT_NEAR(deviation(outcome), std::sqrt(2.0 * (0.7 * 100.0 + 0.3 * 1600.0) - 361.0) * 1e6, 0.9e6);
+  branches.branches = {{0.5, 10e6}, {0.3, 40e6}, {0.2, 100e6}};
+  EXPECT_NEAR(send(overtaking(branches), kPackets).meanDelay(), 37e6, 1e6);
 }
 
 TEST(DelayTest, WithoutOvertakingPacketsKeepTheirOrderHoweverTheDelayJumps) {

@@ -248,6 +248,8 @@ TEST_F(SessionReplay, WhatCannotBeShownIsRefusedWithTheReason) {
   EXPECT_EQ(refusal(written("some.rlog", some)), "");
   EXPECT_NE(refusal(written("arms.rlog", some, [](auto* header) { header->d4 += 0.001; })).find("other arms"),
             std::string::npos);
+  const auto robot = [](session::LogHeader* header) { header->robot_urdf_hash[0] ^= 1; };
+  EXPECT_NE(refusal(written("robot.rlog", some, robot)).find("other arms"), std::string::npos);
   const auto scene = [](session::LogHeader* header) { header->scene_urdf_hash[0] ^= 1; };
   EXPECT_NE(refusal(written("scene.rlog", some, scene)).find("another scene"), std::string::npos);
   const auto bodies = [](session::LogHeader* header) { header->body_names.pop_back(); };

@@ -21,7 +21,8 @@ constexpr std::uint32_t kId = kOwnRequestIds + 1;
 
 class ActivitiesTest : public raven2_trainer::testing::ActivityStage {
  protected:
-  ActivitiesTest() {
+  explicit ActivitiesTest(const TrainerConfig& of_stage = raven2_trainer::testing::packagedConfig())
+      : ActivityStage(of_stage) {
     modes.state = &stage.state;
     stage.state.mode = Mode::kPedalUp;
   }
@@ -132,6 +133,37 @@ TEST_F(ActivitiesTest, APlanOfEitherArmIsComputedAndShown) {
       tick(&planning);
     EXPECT_NEAR(shoulder(arm), before + kPathLength, 5e-3);
     EXPECT_NEAR(shoulder(otherArm(arm)), other, 1e-3) << "the other arm holds";
+  }
+}
+
+class OpenLoopTest : public ActivitiesTest, public ::testing::WithParamInterface<Arm> {
+ protected:
+  OpenLoopTest() : ActivitiesTest(openLoop()) {}
+  static TrainerConfig openLoop() {
+    TrainerConfig config = raven2_trainer::testing::packagedConfig();
+    config.execution.drive = ExecutionDrive::kOpenLoop;
+    return config;
+  }
+};
+
+INSTANTIATE_TEST_SUITE_P(Arms, OpenLoopTest, ::testing::ValuesIn(kArms));
+
+TEST_P(OpenLoopTest, TheExecutedArmAloneIsNotCorrected) {
+  arm(GetParam());
+  press();
+  for (int i = 0; i < 100; ++i)
+    tick(&execution);
+  for (const Arm each : kArms) {
+    JointArray q = stage.arms.joints(each);
+    q[kInsertion] += 0.002;
+    stage.arms.world().setJointState(each, q, JointArray{});
+  }
+  for (int i = 0; i < 200; ++i)
+    tick(&execution);
+  ASSERT_EQ(stage.mode(), Mode::kExecuting);
+  for (const Arm each : kArms) {
+    const double off = stage.arms.joints(each)[kInsertion] - wanted(each, kInsertion);
+    EXPECT_NEAR(off, each == GetParam() ? 0.002 : 0.0, 0.0005) << name(each);
   }
 }
 

@@ -641,6 +641,28 @@ TEST_F(Execution, ARobotPushedAwayBehindThePathsEndEndsItOffThePath) {
   EXPECT_LT(report().model.largest, 0.8 * limit) << "the model stays on the path";
 }
 
+TEST_F(Execution, TheRobotsClearanceIsThatOfTheRobot) {
+  arm(/*on_robot=*/true);
+  for (int i = 0; i < 100; ++i)
+    rig->tick(true);
+  planning::ClearanceGauge gauge(rig->raven, rig->scene);
+  RobotState pushed = rig->robot();
+  JointArray& q = pushed.arms[0].q;
+  const JointArray start = q;
+  const double before = gauge.measure(Arm::kGold, q, pushed.arms[1].q);
+  double near = before;
+  for (int i = 0; i < 120 && near > before - 0.003; ++i) {  // each joint to either side: one way leads to the scene
+    if (i % 30 == 0) q = start;
+    q[i < 60 ? kShoulder : kElbow] += i / 30 % 2 == 0 ? 0.01 : -0.01;
+    near = gauge.measure(Arm::kGold, q, pushed.arms[1].q);
+  }
+  ASSERT_LT(near, before - 0.003);
+  tickWith(&pushed, true);
+  EXPECT_EQ(report().end, ExecutionEnd::kOffPath) << "so far from the model";
+  EXPECT_NEAR(report().robot_clearance, near, 1e-6);
+  EXPECT_GT(report().model_clearance, near + 2e-3);
+}
+
 // ---- choosing ----------------------------------------------------------------------------------------------------
 
 TEST_F(Execution, TheGoalIsChosenOnTheModelAloneThroughEverything) {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "raven2_trainer/config/load_problem.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::loop {
@@ -27,6 +28,25 @@ TEST(PlannerWorkers, CountWhatThePlanTook) {
   EXPECT_GT(counts.edges, 0U);
   EXPECT_GT(counts.rollouts, 0U) << "the dynamics follow every plan before it is returned";
   EXPECT_EQ(counts.best_cost, result.cost);
+}
+
+TEST(PlannerWorkers, DrawTheirSamplesFromTheSessionsSeed) {
+  raven2_trainer::testing::useOde();
+  TrainerConfig config = raven2_trainer::testing::packagedConfig();
+  config.planner.samples = 100;
+  const PlanRequest request =
+      config::loadProblem(RAVEN2_TRAINER_SOURCE_DIR "/config/problems/past_tower.yaml", config.arms.geometry).request;
+  const auto waypoints = [&](std::uint64_t seed) {
+    config.seed = seed;
+    raven2_trainer::testing::Rig rig(config);
+    PlannerWorker worker(config, rig.raven, rig.scene, rig.shared.get());
+    const PlanResult plan = worker.planNow(request);
+    EXPECT_EQ(plan.status, PlanStatus::kSuccess);
+    return plan.waypoints;
+  };
+  const auto of_five = waypoints(5);
+  EXPECT_EQ(waypoints(5), of_five);
+  EXPECT_NE(waypoints(6), of_five);
 }
 
 }  // namespace

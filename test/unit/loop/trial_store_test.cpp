@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <utility>
+
 #include "raven2_trainer/kinematics/arm_kinematics.h"
+#include "raven2_trainer/planning/clearance_gauge.h"
 #include "support/rig.h"
 
 namespace raven2_trainer::loop {
@@ -33,6 +36,25 @@ class StillTrial {
     ExecutionRecord record;
     EXPECT_TRUE(shared_->execution_records.tryPop(&record));
     return record.report;
+  }
+
+  /** Brings an arm 3 mm nearer to the scene or to the other arm. Its tip stays on the path. @return [m] its clearance.
+   */
+  double bringNearer(Arm arm) {
+    planning::ClearanceGauge gauge(raven_, scene_);
+    JointArray& q = at(model.arms, arm).q;
+    const double before = gauge.measure(arm, q, home());
+    for (const std::size_t joint : {kShoulder, kElbow}) {
+      for (const double sign : {-1.0, 1.0}) {
+        q = home();
+        for (int i = 0; i < 30; ++i) {
+          q[joint] += 0.01 * sign;
+          const double now = gauge.measure(arm, q, home());
+          if (now > 0.0 && now < before - 0.003) return now;
+        }
+      }
+    }
+    return 0.0;
   }
 
   double progress() const { return store_.overlay({}).progress; }
@@ -69,6 +91,16 @@ TEST(TrialStore, ContactsOfEitherArmCountWhicheverIsFartherOff) {
       EXPECT_EQ(report.contact_points, 2U);
       EXPECT_NEAR(report.model.largest, 1e-3, 1e-9);
     }
+  }
+}
+
+TEST(TrialStore, TheClearanceIsThatOfTheNearerArm) {
+  for (const Arm arm : kArms) {
+    StillTrial trial;
+    const double near = trial.bringNearer(arm);
+    ASSERT_GT(near, 0.0);
+    trial.tick();
+    EXPECT_EQ(trial.report().model_clearance, near) << index(arm);
   }
 }
 

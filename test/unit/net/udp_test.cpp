@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <vector>
 
 #include "net_support.h"
@@ -301,6 +302,30 @@ int takeAll(UdpReceiver* receiver, wire::ItpGate* gate, std::int64_t now_ns) {
     }
   }
   return used;
+}
+
+/** The unmodified robot does not know signatures: it gets plain packets. A daemon that wants them gets none. */
+TEST(ItpSender, SendsPlainToAReceiverThatNeverAnswersUnlessItIsToBeSilent) {
+  const wire::ItpKey key(std::array<std::uint8_t, wire::ItpKey::kSize>{});
+  for (const auto unanswered : {ItpSender::Unanswered::kPlain, ItpSender::Unanswered::kSilence}) {
+    const bool is_plain = unanswered == ItpSender::Unanswered::kPlain;
+    UdpReceiver receiver(kLoopback, 0);
+    ItpSender sender(kLoopback, receiver.port(), wire::Audience::kRobot, &key, unanswered);
+    const std::array<std::uint8_t, 12> pedals{};
+    for (int i = 1; i <= 100; ++i) {
+      wire::ItpPacket packet;
+      packet.sequence = static_cast<std::uint32_t>(i);
+      EXPECT_EQ(sender.send(packet, i * kTickNanoseconds), is_plain);
+    }
+    EXPECT_EQ(sender.sendPedals(pedals.data(), pedals.size()), is_plain);
+    std::map<std::size_t, int> sizes;
+    std::array<std::uint8_t, 512> buffer{};
+    while (const auto datagram = receiver.receive(buffer.data(), buffer.size()))
+      ++sizes[datagram->size];
+    EXPECT_EQ(sizes[wire::kItpSize], is_plain ? 100 : 0);
+    EXPECT_EQ(sizes[pedals.size()], is_plain ? 1 : 0);
+    EXPECT_GT(sizes[wire::kHandshakeSize], 0) << "it asks";
+  }
 }
 
 TEST(ItpSender, SignsForAReceiverThatStartedAgain) {

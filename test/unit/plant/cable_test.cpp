@@ -46,6 +46,12 @@ Dac dacOn(Joint joint, int counts) {
   return dac;
 }
 
+TEST(Cables, OfTheToolRunOverItsOwnCapstans) {
+  const auto stiffness = goldArm(elastic()).cableStiffness();
+  for (Eigen::Index j = kToolRotation; j < 7; ++j)  // raven2_sim: 16 kN/m, capstans of 5.005 mm and 26 to 7 teeth
+    EXPECT_NEAR(stiffness[j], 1.6e4 * std::pow(5.005e-3 * 7.0 / 26.0, 2), 1e-6) << j;
+}
+
 /** Commands that move all axes back and forth, from a seed. */
 class RandomCommands {
  public:

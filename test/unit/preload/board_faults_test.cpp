@@ -327,6 +327,25 @@ TEST(NetworkFaults, ChangesOfEitherThreadHaveTheNumberOfTheNewestPacket) {
   EXPECT_EQ(boards.log()[0].command, 43U) << "the fourth cycle";
 }
 
+TEST(NetworkFaults, TheTruthHasTheCycleOfAFaultThoughNoPacketCameInIt) {
+  FaultPlan plan = planOf(fault(FaultVariable::kPacket, FaultKind::kDrop, 1.0));
+  plan.faults[0].first_tick = 2;
+  plan.faults[0].duration_ticks = 1;
+  CycleHistory history;
+  BoardFaults boards(plan, &history);
+  NetworkFaults network(plan, &history);
+  for (int k = 0; k < 6; ++k) {
+    UsbInBytes in = kGoldIn;
+    UsbOutBytes out;
+    boards.read(Arm::kGold, UsbRead::kComplete, &in, 0);
+    boards.write(Arm::kGold, raven::encodeOut({}), &out);
+  }
+  network.offer(packet(1), 0);
+  ASSERT_EQ(network.log().size(), 2U);
+  EXPECT_EQ(network.log()[0].change.cycle, 3U);
+  EXPECT_EQ(network.log()[1].change.cycle, 4U);
+}
+
 TEST(CycleHistory, CountsPacketsFromTheFirstPedalDownOn) {
   CycleHistory history;
   for (int k = 0; k < 3; ++k)

@@ -138,10 +138,11 @@ TEST(ImpairmentProxyTest, TheLogTellsEveryPacketWithItsSequenceAndWhatIsStillHel
   options.log = path.string();
   ImpairmentProxy proxy(options);
   net::UdpSocket client = net::UdpSocket::connected({0x7F000001, proxy.port(0)});
-  std::vector<std::uint8_t> itp(124);
+  std::vector<std::uint8_t> itp(156);
   itp[0] = 77;
-  for (int i = 0; i < 20; ++i)
-    client.send(itp.data(), itp.size());
+  const std::array<std::size_t, 4> sizes{124, 156, 125, 123};  // plain and signed ITP; others have no sequence
+  for (std::size_t i = 0; i < 20; ++i)
+    client.send(itp.data(), sizes[i % 4]);
   serveUntil(&proxy, [&] { return proxy.report()[0].counts.in == 20; });
   proxy.finish();
   std::ifstream file(path);
@@ -149,17 +150,21 @@ TEST(ImpairmentProxyTest, TheLogTellsEveryPacketWithItsSequenceAndWhatIsStillHel
   std::getline(file, line);
   EXPECT_EQ(line,
             "link,direction,packet,copy,sequence,bytes,in_ns,action,due_ns,out_ns,flipped_bits,truncated,reordered");
-  std::uint64_t lost = 0, held = 0;
+  std::uint64_t lost = 0, held = 0, itp_lines = 0;
   const std::string link = "udp " + std::to_string(proxy.port(0)) + ",forward,";
   while (std::getline(file, line)) {
     EXPECT_EQ(line.rfind(link, 0), 0U) << line;
-    EXPECT_NE(line.find(",0,77,124,"), std::string::npos) << line;
+    const bool is_itp = line.find(",0,77,124,") != std::string::npos || line.find(",0,77,156,") != std::string::npos;
+    const bool is_other = line.find(",0,,125,") != std::string::npos || line.find(",0,,123,") != std::string::npos;
+    EXPECT_NE(is_itp, is_other) << line;
+    itp_lines += is_itp ? 1 : 0;
     lost += line.find(",lost,") != std::string::npos ? 1 : 0;
     held += line.find(",held,") != std::string::npos ? 1 : 0;
   }
   EXPECT_EQ(lost, proxy.report()[0].counts.droppedTotal());
   EXPECT_EQ(held, proxy.report()[0].counts.held);
   EXPECT_EQ(lost + held, 20U);
+  EXPECT_EQ(itp_lines, 10U);
   std::filesystem::remove(path);
 }
 
@@ -342,6 +347,40 @@ TEST(ImpairmentProxyTest, TheTwoDirectionsLoseDifferentDatagrams) {
     arrived[1].push_back(byte);
   EXPECT_NEAR(static_cast<double>(arrived[1].size()), 100.0, 40.0);
   EXPECT_NE(arrived[0], arrived[1]);
+}
+
+/** Sends eight bytes, one after the other. @return whether each was held up. */
+std::vector<bool> heldUp(ImpairmentProxy* proxy, std::size_t way, net::StreamSocket* from, net::StreamSocket* to) {
+  std::vector<bool> held;
+  for (std::uint8_t byte = 0; byte < 8; ++byte) {
+    const std::uint64_t before = proxy->report()[way].counts.stalled;
+    from->send(&byte, 1);
+    std::uint8_t got = 0;
+    serveUntil(proxy, [&] { return to->receive(&got, 1).count == 1; });
+    held.push_back(proxy->report()[way].counts.stalled > before);
+  }
+  return held;
+}
+
+TEST(ImpairmentProxyTest, EachWayAndEachConnectionOfAStreamHasItsOwnLosses) {
+  Impairment impairment;
+  impairment.loss = 0.5;
+  net::StreamListener target(kLoopback, 0);
+  ImpairmentProxy proxy(linkTo(impair::Medium::kStream, target.port(), impairment));
+  std::vector<std::vector<bool>> all;
+  for (int connection = 0; connection < 2; ++connection) {
+    auto client = net::StreamSocket::connecting({0x7F000001, proxy.port(0)});
+    ASSERT_TRUE(client);
+    std::optional<net::StreamSocket> server;
+    serveUntil(&proxy, [&] { return (server = target.accept()).has_value(); });
+    all.push_back(heldUp(&proxy, 0, &*client, &*server));
+    all.push_back(heldUp(&proxy, 1, &*server, &*client));
+  }
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_NEAR(static_cast<double>(std::count(all[i].begin(), all[i].end(), true)), 4.0, 3.5);
+    for (std::size_t k = 0; k < i; ++k)
+      EXPECT_NE(all[i], all[k]) << i << k;
+  }
 }
 
 TEST(ImpairmentProxyTest, TheLogHasTheTimesFromTheStartAndWhatWasSpoilt) {

@@ -116,6 +116,25 @@ TEST_P(Guarded, HoldNeverWritesACommandFromBeyondTheClip) {
   }
 }
 
+/** With a small factor an alarm is small, too: the command that raises it is no safe one. */
+TEST_P(Guarded, HoldNeverWritesTheCommandThatRaisedTheAlarm) {
+  DetectorConfig config = alert(Mitigation::kHold);
+  config.factor = 0.03;  // 2400 counts, within the clip, are a little more than it
+  for (const std::int32_t sign : {-1, 1}) {
+    CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, config);
+    for (int k = 0; k < 10; ++k)
+      check(&guard);
+    ASSERT_FALSE(guard.report().verdict.alarm);
+    check(&guard, sign * 2400);
+    ASSERT_TRUE(guard.report().verdict.alarm);
+    ASSERT_LT(guard.report().verdict.size, 0.5);
+    for (int k = 0; k < 2; ++k) {
+      expectWritten(GetParam(), calm(GetParam()));
+      check(&guard, sign * 2400);
+    }
+  }
+}
+
 TEST_P(Guarded, StopZeroesBothArms) {
   CommandGuard guard(trainerConfig().arms, trainerConfig().virtual_raven, alert(Mitigation::kStop));
   for (int k = 0; k < 10; ++k)
@@ -207,6 +226,8 @@ TEST_P(Guarded, DrivesHaveThePublishedScaleAndSignOfTheArm) {
     const double sign = GetParam() == Arm::kGold ? -1.0 : 1.0;
     EXPECT_NEAR(at(drives.torque_per_count, GetParam())[j], sign / 3695.807, 1e-9);
   }
+  EXPECT_EQ(drives.position_gain, (Vec3{0.30, 0.30, 0.15}));  // raven2.md 3.4
+  EXPECT_EQ(drives.clip, (Vec3{2500.0, 2500.0, 2000.0}));
 }
 
 INSTANTIATE_TEST_SUITE_P(Arms, Guarded, ::testing::ValuesIn(kArms), [](const auto& tested) {

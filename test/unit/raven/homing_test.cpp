@@ -198,6 +198,17 @@ TEST(Homing, SettlesAsLongAfterAnEmergencyStopDuringTheSettling) {
   }
 }
 
+TEST(Homing, ThePositioningJointsSettleAtTheirStopsToo) {
+  Homing homing;
+  const auto at_stops = [&] {
+    const auto& states = homing.search().arm(Arm::kGold).states();
+    return std::all_of(states.begin(), states.begin() + kToolRotation,
+                       [](JointHoming state) { return state == JointHoming::kHardStop; });
+  };
+  homing.cyclesUntil(at_stops);
+  EXPECT_NEAR(homing.cyclesUntil([&] { return !at_stops(); }), kSettle, 1);
+}
+
 /** INIT.3, its first cycle. */
 void bringToSearch(Bench* bench) {
   bench->plc = RunLevel::kInit;

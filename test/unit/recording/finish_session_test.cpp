@@ -98,11 +98,13 @@ TEST_F(FinishSession, OfNobodyIsInNoIndex) {
   EXPECT_FALSE(fs::exists(index()));
 }
 
-TEST_F(FinishSession, TheCurveIsOfTheSameExerciseWithTheSameDrill) {
+TEST_F(FinishSession, TheCurveIsOfTheSameTraineeAndExerciseWithTheSameDrill) {
   for (const auto& [drill, name] : {std::pair("none", "plain"), {"own", "drill"}, {"none", "again"}})
     EXPECT_TRUE(finishSession(record({"camera_clutch", drill, "ann", "none"}, name)));
-  EXPECT_EQ(readJson(index())["sessions"].size(), 3U);
-  for (const auto& [name, like_it] : {std::pair("again", 2U), {"drill", 1U}})
+  EXPECT_TRUE(finishSession(record({"camera_clutch", "none", "bob", "none"}, "bob")));
+  EXPECT_TRUE(finishSession(record({"peg_transfer", "none", "ann", "none"}, "peg")));
+  EXPECT_EQ(readJson(index())["sessions"].size(), 5U);
+  for (const auto& [name, like_it] : {std::pair("again", 2U), {"drill", 1U}, {"bob", 1U}, {"peg", 1U}})
     EXPECT_EQ(scoreRecorded((folder_ / name).string(), {}).history.size(), like_it) << name;
 }
 

@@ -102,6 +102,16 @@ TEST_F(ReferencePathsTest, OfARingThatIsCarriedAreShorterThanItsWays) {
   EXPECT_LT(*economy.off_path, 0.03) << "[m] the ring goes straight to its place";
 }
 
+TEST_F(ReferencePathsTest, LeadAroundTheOtherArmWhereItStands) {
+  const training::Transit beside = transitOf("two_arms", {0.010, -0.020, 0.020});
+  training::Transit away = beside;
+  away.other = config_.arms.geometry.home;
+  const std::vector<Vec3> around = reference_.plan(beside), free = reference_.plan(away);
+  ASSERT_GT(around.size(), 1u);
+  ASSERT_GT(free.size(), 1u);
+  EXPECT_GT(training::lengthOf(around), training::lengthOf(free));
+}
+
 TEST_F(ReferencePathsTest, OfAPlaceOutOfReachAreNone) {
   EXPECT_TRUE(reference_.plan(transitOf("short_move", {0.9, 0.0, 0.0})).empty());
 }

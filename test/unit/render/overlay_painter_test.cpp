@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <set>
 #include <string>
@@ -109,6 +110,27 @@ TEST(OverlayPainter, BarsGrowWithTheForceUpToTheirEnd) {
   EXPECT_LT(goldPixels(0.0), goldPixels(1.0));
   EXPECT_LT(goldPixels(1.0), goldPixels(2.0));
   EXPECT_LT(goldPixels(5.0), goldPixels(2.0) + goldPixels(1.0)) << "a bar ends at max_force";
+}
+
+TEST(OverlayPainter, EachArmsBarShowsItsOwnForce) {
+  const OverlayPainter painter(kWidth, kHeight);
+  using Colour = std::array<std::uint8_t, 3>;
+  const auto count = [&painter](const PerArm<double>& force, const Colour& colour) {
+    Overlay overlay;
+    overlay.lines = {"x"};
+    overlay.has_bars = true;
+    overlay.force = force;
+    overlay.max_force = 2.0;
+    auto rgb = grey();
+    painter.paint(overlay, &rgb);
+    int pixels = 0;
+    for (std::size_t i = 0; i < rgb.size(); i += 3)
+      pixels += Colour{rgb[i], rgb[i + 1], rgb[i + 2]} == colour;
+    return pixels;
+  };
+  const Colour gold{236, 186, 60}, green{94, 200, 110};
+  EXPECT_GT(count({2.0, 0.0}, gold), count({0.0, 2.0}, gold) + 200);
+  EXPECT_GT(count({0.0, 2.0}, green), count({2.0, 0.0}, green) + 200);
 }
 
 TEST(OverlayPainter, WarningsStandBelowTheLinesInAmber) {

@@ -324,6 +324,30 @@ TEST_F(RendererTest, AnInsetChangesPixelsInItsCornerOnly) {
   EXPECT_EQ(renderer_.draw(Scene{}, camera_, &inset), empty_) << "an inset that does not fit is left out";
 }
 
+TEST_F(RendererTest, AnInsetShowsShadowsOfWhatTheMainCameraDoesNotSee) {
+  Drawable floor = drawable(sphere_, {0.0, 0.0, -10.0}, {0.8F, 0.8F, 0.8F, 1.0F});
+  floor.X_WM.R *= 10.0 / kRadius;  // top at z = 0
+  const Drawable ball = drawable(sphere_, {0.0, 0.0, 0.1});
+  CameraConfig narrow;
+  narrow.eye_W = {-0.9, 0.4, 0.6};
+  narrow.target_W = {0.02, 0.2, 0.05};
+  narrow.up_W = {0.0, 0.0, 1.0};
+  narrow.vertical_fov = 0.1;
+  const model::Camera inset = testCamera(80, 60), aside = model::makeCamera(narrow, kWidth, kHeight);
+  ASSERT_FALSE(isShadowInView(aside, ball.X_WM.p, kRadius));
+  ASSERT_TRUE(isInShadowMap(shadowClipFromWorld(aside), ball.X_WM.p, kRadius));
+  double u = 0.0, v = 0.0;
+  ASSERT_TRUE(inset.project({0.045, -0.04, 0.0}, &u, &v));
+  Scene with, without;
+  with.drawables = {floor, ball};
+  without.drawables = {floor};
+  // the corner is 12 pixels from the picture's right and lower ends
+  const auto x = kWidth - 12 - 80 + std::lround(u), y = kHeight - 12 - 60 + std::lround(v);
+  const auto place = static_cast<std::size_t>(3 * (y * kWidth + x));
+  const std::uint8_t lit = renderer_.draw(without, aside, &inset)[place];
+  EXPECT_LT(renderer_.draw(with, aside, &inset)[place] + 30, lit);
+}
+
 TEST(Renderer, RefusesSizesThatNoPictureHas) {
   EXPECT_THROW(Renderer(0, 100), RenderException);
   EXPECT_THROW(Renderer(100, -1), RenderException);

@@ -54,7 +54,7 @@ class SessionRendererTest : public ::testing::Test {
     header.robot_urdf_hash = session::fileHash(config_.robot_urdf);
     header.scene_urdf_hash = session::fileHash(config_.scene_urdf);
     header.d4 = config_.arms.geometry.d4;
-    header.tolerance = config_.haptics.tolerance;
+    header.tolerance = tolerance_ > 0.0 ? tolerance_ : config_.haptics.tolerance;
     session::LogWriter writer(path("session.rlog"), header);
     for (Tick t = 0; t < kBefore + ticks; ++t) {
       TickRecord tick;
@@ -65,6 +65,17 @@ class SessionRendererTest : public ::testing::Test {
         state.q = config_.arms.geometry.home;
         state.q[kElbow] += 1e-3 * static_cast<double>(t % 500);
         state.p_BT = toArray(kinematics::forward(config_.arms.geometry, arm, state.q).p);
+      }
+      for (const Arm arm : kArms) {
+        RobotArmState& state = at(tick.robot.arms, arm);
+        state.q = at(tick.model.arms, arm).q;
+        state.q[kShoulder] += robot_apart_;
+        state.p_BT = toArray(kinematics::forward(config_.arms.geometry, arm, state.q).p);
+      }
+      if (robot_apart_ > 0.0) tick.robot.frame = 1;
+      if (attempt_ > 0) {
+        tick.model.exercise.attempt = attempt_;
+        tick.model.exercise.status = ExerciseStatus::kDone;
       }
       tick.model.pedal = tick.model.session_tick >= 0 ? 1 : 0;
       if (t >= kBefore + 3000 && t < kBefore + 3300) tick.robot.active_fault = 1;
@@ -144,7 +155,10 @@ class SessionRendererTest : public ::testing::Test {
   TrainerConfig config_;
   std::filesystem::path folder_;
   std::string build_{"a build"};
-  Tick edge_first_{-1000};  // first of 100 ticks in which a tool is at its edge; < 0: not in the session
+  double tolerance_{0.0};    // [m] of the session; 0: the configuration's
+  double robot_apart_{0.0};  // [rad] of the robot's shoulders; 0: no robot
+  std::int64_t attempt_{0};  // that is done; 0: none
+  Tick edge_first_{-1000};   // first of 100 ticks in which a tool is at its edge; < 0: not in the session
 };
 
 std::string output(const std::string& command) {
@@ -424,6 +438,62 @@ TEST_F(SessionRendererTest, APlanOfTheLogIsInThePicturesFromItsTickOn) {
   EXPECT_EQ(hash("with/frame_000000.png"), hash("without/frame_000000.png"));
   EXPECT_EQ(hash("with/frame_000001.png"), hash("without/frame_000001.png"));
   EXPECT_NE(hash("with/frame_000002.png"), hash("without/frame_000002.png"));
+}
+
+TEST_F(SessionRendererTest, ACornerViewIsThereIfItIsAskedForAndNotTheMainCamera) {
+  record(true);
+  const auto first = [&](const std::string& inset) {
+    SessionRenderOptions options = drawnHere();
+    options.to = 0.04;
+    options.camera = "overview";
+    options.inset = inset;
+    options.replace = true;
+    options.output = path("inset_" + inset);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 1U);
+    return session::fileHash(path("inset_" + inset + "/frame_000000.png"));
+  };
+  EXPECT_NE(first("endoscope"), first("none"));
+  EXPECT_EQ(first("overview"), first("none"));
+}
+
+TEST_F(SessionRendererTest, TheResultOfItsAttemptIsInThePicture) {
+  attempt_ = 2;
+  config_.render.video_width = 640;  // smaller pictures have no room for it
+  config_.render.video_height = 360;
+  record(true);
+  const auto first = [&](const std::string& name, const std::string& attempts) {
+    std::ofstream(path("score.json")) << "{\"attempts\":[" << attempts << "]}";
+    SessionRenderOptions options = drawnHere();
+    options.to = 0.04;
+    options.inset = "none";
+    options.overlays = OverlaySet();
+    options.overlays->add(OverlayKind::kTimer);
+    options.output = path(name);
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 1U);
+    return session::fileHash(path(name + "/frame_000000.png"));
+  };
+  const std::string none = first("none", "");
+  EXPECT_NE(first("own", R"({"number":2,"passed":true,"composite":1.0})"), none);
+  EXPECT_EQ(first("other", R"({"number":3,"passed":true,"composite":1.0})"), none);
+}
+
+TEST_F(SessionRendererTest, ItsGhostAppearsByTheToleranceOfTheSession) {
+  robot_apart_ = 0.2;
+  const auto first = [&](double tolerance, bool with_ghost) {
+    tolerance_ = tolerance;
+    record(true);
+    SessionRenderOptions options = drawnHere();
+    options.to = 0.04;
+    options.inset = "none";
+    options.replace = true;
+    options.overlays = OverlaySet();
+    if (with_ghost) options.overlays->add(OverlayKind::kGhost);
+    options.output = path("ghost");
+    EXPECT_EQ(SessionRenderer(config_, folder_.string(), build_).run(options, nullptr), 1U);
+    return session::fileHash(path("ghost/frame_000000.png"));
+  };
+  EXPECT_NE(first(0.003, true), first(0.003, false));
+  EXPECT_EQ(first(0.5, true), first(0.5, false));
 }
 
 TEST_F(SessionRendererTest, WithoutTheHazardsNameItShowsWhatTheTraineeSaw) {

@@ -1,14 +1,22 @@
 #include "raven2_trainer/robot/raven_server.h"
 
 #include <gtest/gtest.h>
+#include <sys/prctl.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "raven2_trainer/net/clock.h"
+#include "raven2_trainer/net/key_file.h"
 #include "raven2_trainer/net/tcp_client.h"
 #include "raven2_trainer/net/udp_sender.h"
+#include "raven2_trainer/net/udp_socket.h"
 #include "raven2_trainer/wire/itp.h"
 #include "support/rig.h"
 
@@ -50,6 +58,7 @@ class FrameReader {
   }
 
   const RobotState& newest() const { return state_; }
+  bool send(const std::uint8_t* bytes, std::size_t size) { return client_.send(bytes, size); }
 
  private:
   void poll(int timeout_ms) {
@@ -123,6 +132,106 @@ TEST(RavenServer, StampsEveryCycleAndReportsItOnce) {
     EXPECT_EQ(report.board[0], 49);
   }
   EXPECT_GE(expected, 200U);
+}
+
+/** A robot that takes signed packets only, and its key. */
+class SignedRobot : public ::testing::Test {
+ protected:
+  SignedRobot() {
+    net::writeKeyFile(path_);
+    TrainerConfig config = privatePorts();
+    config.virtual_raven.behaviour = "hardened";
+    config.network.itp.auth = config.virtual_raven.itp.auth = ItpAuth::kRequired;
+    config.network.key_file = path_;
+    key_ = net::loadKey(config.network);
+    server_ = std::make_unique<RavenServer>(config);
+    server_->start();
+    reader_ = std::make_unique<FrameReader>(server_->stateServer().port());
+  }
+  ~SignedRobot() override {
+    server_->stop();
+    std::filesystem::remove(path_);
+    ::prctl(PR_SET_DUMPABLE, 1);  // using the key turned core dumps off
+  }
+
+  const std::string path_{std::filesystem::temp_directory_path() / ("raven2_signed_" + std::to_string(::getpid()))};
+  std::unique_ptr<const wire::ItpKey> key_;
+  std::unique_ptr<RavenServer> server_;
+  std::unique_ptr<FrameReader> reader_;
+  net::UdpSocket master_{net::UdpSocket::connected({0x7F000001, 27691})};
+};
+
+TEST_F(SignedRobot, UsesNoPacketThatIsNotSigned) {
+  constexpr std::uint32_t kPackets = 50;
+  for (std::uint32_t sequence = 1; sequence <= kPackets; ++sequence) {
+    MasterCommand command;
+    command.sequence = sequence;
+    const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+    ASSERT_TRUE(master_.send(bytes.data(), bytes.size()));
+  }
+  ASSERT_TRUE(reader_->readUntil([](const RobotState& s) { return s.itp.received >= kPackets; }));
+  EXPECT_EQ(reader_->newest().itp.applied, 0U);
+  EXPECT_EQ(reader_->newest().itp.rejected[static_cast<std::size_t>(Reject::kUnsigned)], kPackets);
+}
+
+/** A session that was recorded must not be valid a second time. */
+TEST_F(SignedRobot, AnswersEachHelloWithANumberOfItsOwn) {
+  std::vector<wire::Nonce> told;
+  for (int hello = 0; hello < 2; ++hello) {
+    const wire::Nonce own = net::freshNonce();
+    const wire::HandshakeBytes asked = wire::encodeHello(*key_, wire::Audience::kRobot, own);
+    std::array<std::uint8_t, 256> bytes{};
+    std::optional<net::Datagram> answer;
+    ASSERT_TRUE(reader_->readUntil([&](const RobotState& s) {
+      if (s.cycle % 100 == 0) master_.send(asked.data(), asked.size());
+      answer = master_.receive(bytes.data(), bytes.size());
+      return answer.has_value();
+    }));
+    told.emplace_back();
+    EXPECT_EQ(wire::decodeChallenge(*key_, wire::Audience::kRobot, own, bytes.data(), answer->size, &told.back()),
+              Reject::kNone);
+  }
+  EXPECT_NE(told[0], told[1]);
+  EXPECT_NE(told[0], wire::Nonce{});
+}
+
+TEST(RavenServer, ItsDetectorStopsItWhereTheConfigurationSaysSo) {
+  TrainerConfig config = privatePorts();
+  config.virtual_raven.full_homing = false;
+  config.virtual_raven.homing_time = 0.1;
+  config.virtual_raven.start_offset = {};
+  config.detector.rule = DetectorRule::kPublished;
+  config.detector.factor = 0.1;
+  config.detector.excursion = 0.0;
+  config.detector.mitigate = Mitigation::kStop;
+  RavenServer server(config);
+  server.start();
+  FrameReader reader(server.stateServer().port());
+  net::UdpSender sender("127.0.0.1", 27691);
+  MasterCommand command;
+  ASSERT_TRUE(reader.readUntil([&](const RobotState& s) {
+    command.pedal = s.homed != 0 && s.runlevel == RunLevel::kPedalUp ? 1 : command.pedal;
+    ++command.sequence;
+    const wire::ItpBytes bytes = wire::encodeItp(wire::fromCommand(command));
+    sender.send(bytes.data(), bytes.size());
+    return s.runlevel == RunLevel::kPedalDown;
+  }));
+  FaultPlan plan;
+  plan.generation = plan.session = plan.count = 1;
+  Fault& thrown = plan.faults[0];
+  thrown.id = 1;
+  thrown.site = FaultSite::kPutUsbPacket;
+  thrown.variable = FaultVariable::kDac;
+  thrown.kind = FaultKind::kStuckAt;
+  thrown.value = 12000.0;  // [counts] beyond the clip, below the overdrive limit
+  thrown.arm = 0;
+  thrown.channel = kShoulder;
+  thrown.trigger = FaultTrigger::kHand;
+  std::array<std::uint8_t, wire::kMaxFrame> bytes{};
+  ASSERT_TRUE(reader.send(bytes.data(), wire::encodeFaultPlan(1, plan, bytes.data())));
+  EXPECT_TRUE(reader.readUntil([](const RobotState& s) { return s.soft_estopped != 0; }));
+  server.stop();
+  EXPECT_GT(server.detectorCycles(), 0U);
 }
 
 }  // namespace

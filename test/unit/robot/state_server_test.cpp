@@ -204,10 +204,12 @@ TEST_F(StateServerTest, SignalsCountFromThePlanOfTheirSenderOnAndOfNobodyElse) {
   owner->sendPlan(5);
   ASSERT_TRUE(until([&] { return armed() == 5; }));
   EXPECT_EQ(server->signals().load().tissue_distance, 0.25) << "with the plan, not after it";
+  owner->sendSignals(0.125);
+  ASSERT_TRUE(until([&] { return server->signals().load().tissue_distance == 0.125; })) << "they go on";
   other->sendSignals(0.75);
   other->sendPlan(6);
   ASSERT_TRUE(until([&] { return server->plansRefused() == 1; }));
-  EXPECT_EQ(server->signals().load().tissue_distance, 0.25);
+  EXPECT_EQ(server->signals().load().tissue_distance, 0.125);
   readers[0].reset();
   ASSERT_TRUE(until([&] { return armed() == 0; }));
   other->sendPlan(7);
@@ -362,6 +364,22 @@ TEST_F(StateServerTest, ADribblingReaderIsClosedAfterHalfASecondAndAQuietOneIsNo
   EXPECT_TRUE(until([&] { return dribbler->left(); }));
   EXPECT_EQ(server->plansRefused(), 0U);
   EXPECT_TRUE(quiet->isUp()) << "a reader need not say anything";
+}
+
+TEST_F(StateServerTest, AReaderWhoseFramesComeInPiecesIsKept) {
+  TestReader* reader = join();
+  std::array<std::uint8_t, wire::kMaxFrame> plan{};
+  const std::size_t size = wire::encodeFaultPlan(1, FaultPlan{}, plan.data());
+  ASSERT_TRUE(reader->send(plan.data(), 1));
+  for (int frame = 0; frame < 5; ++frame) {  // the rest of it, and the first byte of the next
+    ASSERT_TRUE(until([&] { return server->partsWaiting() == 1; }));
+    now_ns += StateServer::kFrameDeadlineNs * 6 / 10;
+    ASSERT_TRUE(reader->send(plan.data() + 1, size - 1));
+    ASSERT_TRUE(reader->send(plan.data(), 1));
+    const auto answered = static_cast<std::size_t>(frame + 1);
+    ASSERT_TRUE(until([&] { return reader->answers().size() == answered || reader->left(); }));
+    ASSERT_FALSE(reader->left()) << frame;
+  }
 }
 
 TEST_F(StateServerTest, AStalledReaderIsClosedAfterTwoSecondsAndDelaysNobody) {

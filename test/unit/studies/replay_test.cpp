@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -47,8 +48,11 @@ TEST_F(ItpTrace, FieldsArriveInTheDatagram) {
   ASSERT_EQ(wire::decodeItp(trace[0].bytes.data(), trace[0].bytes.size(), &p), Reject::kNone);
   EXPECT_EQ(p.sequence, 7u);
   EXPECT_EQ(p.delx_um, (PerArm<std::int32_t>{1, 2}));
+  EXPECT_EQ(p.dely_um, (PerArm<std::int32_t>{3, 4}));
   EXPECT_EQ(p.delz_um, (PerArm<std::int32_t>{5, 6}));
   EXPECT_EQ(p.Qx, (PerArm<double>{.1, .2}));
+  EXPECT_EQ(p.Qy, (PerArm<double>{.3, .4}));
+  EXPECT_EQ(p.Qz, (PerArm<double>{.5, .6}));
   EXPECT_EQ(p.Qw[0], .7);
   EXPECT_TRUE(std::isnan(p.Qw[1]));
   EXPECT_EQ(p.buttonstate, (PerArm<std::int32_t>{8, 9}));
@@ -174,6 +178,39 @@ TEST(Replay, EveryRowHasAsManyCellsAsTheHeader) {
   EXPECT_EQ(rows.cells[0].size(), 4u + 12 + 36 + 7 * 16 + 2);
   for (const auto& row : rows.cells)
     EXPECT_EQ(row.size(), rows.cells[0].size());
+}
+
+std::vector<std::string> cellsOf(const std::string& row) {
+  std::vector<std::string> cells;
+  std::stringstream line(row.substr(0, row.size() - 1));
+  for (std::string cell; std::getline(line, cell, ',');)
+    cells.push_back(cell);
+  return cells;
+}
+
+/** As raven_2's traces: angles in degrees, torques in Nm. */
+TEST(Replay, ARowsAnglesAreInDegrees) {
+  RavenReport report;
+  report.jpos[0] = 0.5;
+  report.jpos_d[1] = -0.25;
+  report.mpos[2] = 2.0;
+  report.mpos_d[3] = 3.0;
+  report.mvel[4] = 10.0;
+  report.tau[5] = 0.125;
+  report.grasp_d[1] = 0.75;
+  const std::vector<std::string> names = cellsOf(stateTraceHeader()), cells = cellsOf(stateTraceRow(1.0, report));
+  ASSERT_EQ(names.size(), cells.size());
+  for (const auto& [name, cell] : {std::pair("jpos0", "28.6479"),
+                                   {"jpos_d1", "-14.32394"},
+                                   {"mpos2", "114.59"},
+                                   {"mpos_d3", "171.887"},
+                                   {"mvel4", "573"},
+                                   {"tau5", "0.1250"},
+                                   {"grasp_d1", "0.75000"}}) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    ASSERT_NE(found, names.end()) << name;
+    EXPECT_EQ(cells[static_cast<std::size_t>(found - names.begin())], cell) << name;
+  }
 }
 
 TEST(Replay, RefusesABehaviourThatDoesNotExist) {

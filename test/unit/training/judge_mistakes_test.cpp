@@ -287,6 +287,18 @@ TEST(JudgeDrop, WhereItsStepWantsItLetGoItBelongs) {
   }
 }
 
+TEST(JudgeDrop, WhereTheStepBeforeWantedItLetGoItBelongs) {
+  for (const bool is_there : {true, false}) {
+    const ExerciseStep lay = step({when(K::kAt, kRingObject, 1, Hand::kAny, 0.01), when(K::kUntouched)});
+    Bench bench(Bench::with({track({lay, step({held(Hand::kGreen)})})}, {dropRule()}));
+    bench.put(kRingSlot, {is_there ? 0.05 : 0.02, 0.02, 0.01});
+    liftAndLetGo(&bench, 200);
+    bench.run(1000);  // its step is done before the grace of a drop ends
+    EXPECT_EQ(bench.done(), is_there ? 1 : 0);
+    EXPECT_EQ(bench.mistakes(Mistake::kDrop), is_there ? 0U : 1U);
+  }
+}
+
 TEST(JudgeDrop, BeyondTheLimitTheAttemptFails) {
   Bench bench = watching({dropRule(2)});
   for (int i = 0; i < 2; ++i) {
@@ -504,6 +516,19 @@ TEST(JudgeLost, NeitherWhileItMovesNorWhileItIsTouched) {
   touched.touch(kShaftL, kRing, 0.1);
   touched.run(5000);
   EXPECT_EQ(touched.state().status, ExerciseStatus::kRunning);
+}
+
+TEST(JudgeLost, NotAfterATouchBeganWhileItWasBeingSearched) {
+  for (const bool is_touched : {true, false}) {
+    Bench bench = watching({});
+    bench.run(10);
+    bench.put(kRingSlot, {0.5, 0.5, 0.002});
+    bench.run(1500);  // it rests, and the search for a way to it has begun
+    ASSERT_EQ(bench.state().status, ExerciseStatus::kRunning);
+    if (is_touched) bench.touch(kShaftL, kRing, 0.1);
+    bench.run(3000);
+    EXPECT_EQ(bench.state().status, is_touched ? ExerciseStatus::kRunning : ExerciseStatus::kFailed);
+  }
 }
 
 TEST(JudgeLost, FallenOffTheTableIsLost) {

@@ -388,6 +388,29 @@ TEST(MotionMetrics, TakeForcesAndContactsOfTicksThatCountOnly) {
   EXPECT_NEAR(metrics.contact_force.impulse, 0.2, 1e-9);
 }
 
+TEST(MotionMetrics, TimeForcesAboveTheLimitThatTheExerciseSets) {
+  for (const double limit : {1.5, 2.5, 3.5}) {
+    MotionSettings settings;
+    settings.bodies = classifyBodies({"grasper1_L", "tower_far_left"}, {});
+    settings.force_limit = limit;
+    MotionAccumulator motion(settings);
+    for (Tick k = 0; k < 100; ++k) {
+      motion.add(makeRecord(k));
+      HapticRecord haptic;
+      haptic.haptic.tick = kFirstTick + k;
+      at(haptic.haptic.force_I, Arm::kGold) = {0.0, 3.2, 0.0};
+      motion.add(haptic);
+      ContactRecord contact;
+      contact.tick = kFirstTick + k;
+      contact.b = 1;
+      contact.f_W = {0.0, 0.0, 2.0};
+      motion.add(contact);
+    }
+    EXPECT_EQ(motion.result().haptic_force.above, limit < 3.2 ? 100 : 0) << limit;
+    EXPECT_EQ(motion.result().contact_force.above, limit < 2.0 ? 100 : 0) << limit;
+  }
+}
+
 TEST(MotionMetrics, PutTipsIntoTheWorld) {
   MotionSettings settings = fromAbove();
   at(settings.X_WB, Arm::kGold).p = {0.0, 0.15, 0.0};

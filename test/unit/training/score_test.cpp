@@ -223,6 +223,24 @@ TEST(Score, NamesTheThreeWorstFirst) {
       << "zero drops are exactly at the limit, and perfect";
 }
 
+TEST(Score, NamesThreeAtMost) {
+  const Band band = makeBand();
+  MotionMetrics bad = makeMotion();
+  bad.duration = 500.0;
+  for (HandMotion& hand : bad.hands) {
+    hand.path *= 5.0;
+    hand.sparc = -20.0;
+  }
+  AttemptOutcome dropped = makeOutcome();
+  dropped.mistakes[static_cast<std::size_t>(Mistake::kDrop)] = 1;
+  EXPECT_EQ(score(band, bad, dropped).improve.size(), 3U);
+  HazardScore wrong;
+  wrong.response.verdict = Verdict::kWrong;
+  const std::vector<std::string> with_hazard = score(band, bad, dropped, {wrong}).improve;
+  EXPECT_EQ(with_hazard.size(), 3U);
+  EXPECT_EQ(with_hazard.front(), kHazardMetric);
+}
+
 TEST(Score, APassIsAMatterForAdviceOnlyWhereItNearlyFailed) {
   const Band band = makeBand();
   MotionMetrics motion = makeMotion();
