@@ -123,6 +123,9 @@ TEST(DetectorLearning, EachAxisOfEachArmGetsThresholdsOfItsOwnForEitherRule) {
         EXPECT_NEAR(std::log(axis.departure.*member / (shipped.departure.*member)), 0.0, std::log(4.0))
             << name(arm) << i;
       }
+      const double ratio = axis.published.motor_velocity / axis.departure.motor_velocity;
+      EXPECT_NEAR(std::log(ratio / (shipped.published.motor_velocity / shipped.departure.motor_velocity)), 0.0, 0.5)
+          << "each rule has its own";
       EXPECT_NE(axis.departure.motor_velocity, at(learned.detector.axes, otherArm(arm))[i].departure.motor_velocity);
       std::array<char, 64> expected{};
       std::snprintf(expected.data(), expected.size(), "departure: {acceleration: %.5g,", axis.departure.acceleration);
