@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 
-#include "raven2_trainer/console/make_motion.h"
 #include "raven2_trainer/impair/impairment.h"
 #include "support/rig.h"
 

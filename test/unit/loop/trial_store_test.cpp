@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <utility>
-
 #include "raven2_trainer/kinematics/arm_kinematics.h"
 #include "raven2_trainer/planning/clearance_gauge.h"
 #include "support/rig.h"
