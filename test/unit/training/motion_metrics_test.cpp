@@ -363,6 +363,19 @@ TEST(MotionMetrics, MeasureTrackingWhileLinked) {
   EXPECT_NEAR(metrics.tracking.deviation(), 0.001 * std::sqrt(50.0 / 49.0), 1e-12);
 }
 
+/** 3.2 N on a hand, and 2 N of a tool on the second body. */
+void addForces(Tick k, Arm arm, MotionAccumulator* motion) {
+  HapticRecord haptic;
+  haptic.haptic.tick = kFirstTick + k;
+  at(haptic.haptic.force_I, arm) = {0.0, 3.2, 0.0};
+  motion->add(haptic);
+  ContactRecord contact;
+  contact.tick = kFirstTick + k;
+  contact.b = 1;
+  contact.f_W = {0.0, 0.0, 2.0};
+  motion->add(contact);
+}
+
 TEST(MotionMetrics, TakeForcesAndContactsOfTicksThatCountOnly) {
   MotionSettings settings;
   settings.bodies = classifyBodies({"grasper1_L", "tower_far_left"}, {});
@@ -370,15 +383,7 @@ TEST(MotionMetrics, TakeForcesAndContactsOfTicksThatCountOnly) {
   for (Tick k = 0; k < 100; ++k)
     motion.add(makeRecord(k));
   for (Tick k = -50; k < 150; ++k) {
-    HapticRecord haptic;
-    haptic.haptic.tick = kFirstTick + k;
-    at(haptic.haptic.force_I, Arm::kGreen) = {0.0, 3.2, 0.0};
-    motion.add(haptic);
-    ContactRecord contact;
-    contact.tick = kFirstTick + k;
-    contact.b = 1;
-    contact.f_W = {0.0, 0.0, 2.0};
-    motion.add(contact);
+    addForces(k, Arm::kGreen, &motion);
   }
   const MotionMetrics metrics = motion.result();
   EXPECT_EQ(metrics.haptic_force.with_force, 100);
@@ -396,15 +401,7 @@ TEST(MotionMetrics, TimeForcesAboveTheLimitThatTheExerciseSets) {
     MotionAccumulator motion(settings);
     for (Tick k = 0; k < 100; ++k) {
       motion.add(makeRecord(k));
-      HapticRecord haptic;
-      haptic.haptic.tick = kFirstTick + k;
-      at(haptic.haptic.force_I, Arm::kGold) = {0.0, 3.2, 0.0};
-      motion.add(haptic);
-      ContactRecord contact;
-      contact.tick = kFirstTick + k;
-      contact.b = 1;
-      contact.f_W = {0.0, 0.0, 2.0};
-      motion.add(contact);
+      addForces(k, Arm::kGold, &motion);
     }
     EXPECT_EQ(motion.result().haptic_force.above, limit < 3.2 ? 100 : 0) << limit;
     EXPECT_EQ(motion.result().contact_force.above, limit < 2.0 ? 100 : 0) << limit;
