@@ -16,14 +16,14 @@ bool actsWithoutRobot(const std::vector<Fault>& rows) {
 
 }  // namespace
 
-void refuseHazard(const TrainerConfig& config, const RobotState& robot, std::uint32_t id, FaultOrder order) {
-  if (!config.injection.enable) throw ConfigException("injection is not enabled (config/injection.yaml)");
+void refuseHazard(const faults::FaultLibrary& library, const RobotState& robot, std::uint32_t id, FaultOrder order) {
+  if (!library.injection.enable) throw ConfigException("injection is not enabled (config/injection.yaml)");
   if (id == 0) return;
-  const std::vector<Fault>& rows = config.scenarios[id - 1].faults;
+  const std::vector<Fault>& rows = library.scenarios[id - 1].faults;
   if (order == FaultOrder::kArmAtOnce && robot.connected == 0 && !actsWithoutRobot(rows))
     throw ConfigException("no robot is connected: this hazard acts on the robot alone");
   if (robot.frame == 0 || robot.is_virtual != 0) return;
-  if (!config.injection.real_robot) throw ConfigException("a real robot is connected: nothing is armed");
+  if (!library.injection.real_robot) throw ConfigException("a real robot is connected: nothing is armed");
   for (const Fault& row : rows) {
     if (row.host == FaultHost::kRobot)
       throw ConfigException("a real robot is connected: nothing is injected into its own software");

@@ -71,7 +71,7 @@ class CrtkListener {
   CrtkInbox& inbox_;
   CrtkVoice& voice_;
   std::vector<ros::Subscriber> subscribers_;
-  std::map<std::string, std::size_t> by_topic_;  ///< places of them
+  std::map<std::string, std::size_t> by_topic_;  ///< where each is in subscribers_
   std::map<ServoKind, CrtkLasting> lasting_;  ///< who sent what lasts until its time-out, by the command that ends it
   bool is_absolute_{false};                   ///< body/servo_cf is along the axes of `world`
   ros::WallTimer timer_;
